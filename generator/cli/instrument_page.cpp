@@ -34,7 +34,8 @@ std::string body_row(const InstrumentBody& body, double sample_rate_hz) {
   const auto hz = [](const ResonatorMode& mode) {
     return mode.mode.angular_frequency_rad_per_s / (2 * std::numbers::pi);
   };
-  return fmt::format("{} modes from {:.6g} to {:.6g} Hz", modes.size(), hz(modes.front()), hz(modes.back()));
+  return fmt::format("{} modes from {:.6g} to {:.6g} Hz{}", modes.size(), hz(modes.front()), hz(modes.back()),
+                     body.stretch_j > 0 ? fmt::format(", stretches with {:.6g} J", body.stretch_j) : "");
 }
 
 // Of the diameter or radius on which a point lies, as position_of counts it [rad].

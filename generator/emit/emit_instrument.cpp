@@ -133,6 +133,12 @@ std::string cpp_numbers(std::string_view name, const std::vector<double>& number
   return cpp_array("double", numbers.size(), name, numbers.empty() ? "" : "\n" + literal_rows(numbers, 8));
 }
 
+// Where a string without keys stretches, of its far ends alone.
+std::string cpp_far_ends(const InstrumentArrays& arrays) {
+  if (arrays.stretch_squares.empty() || arrays.far_ends == 0) return "{}";
+  return fmt::format("{{{{}}, 1, {{}}, {}, {{}}, 0, kNoParameter, kNoParameter}}", arrays.far_ends);
+}
+
 // Adds the arrays of keys to the text. Returns the view of them.
 std::string add_cpp_keys(const ModelKeys& keys, const InstrumentArrays& arrays, std::string& text) {
   text += cpp_array("KeyRange", keys.ranges.size(), "key_ranges",
@@ -146,16 +152,16 @@ std::string add_cpp_keys(const ModelKeys& keys, const InstrumentArrays& arrays, 
                      literal(keys.damper_per_s), parameter(keys.sustain), parameter(keys.bend));
 }
 
-// What keys, presets, places that move, memories, listening places and loads at rest add to the arrays, and to the
-// view of them.
+// What keys, presets, places that move, memories, listening places, loads at rest and bodies that stretch add to the
+// arrays, and to the view of them.
 void add_cpp_options(const InstrumentModel& model, const InstrumentArrays& arrays, TemplateValues& values) {
   const ModelKeys& keys = model.keys;
   const bool has_keys = !keys.ranges.empty();
   values["BASE"] = has_keys ? "Voices<NetworkInstrument<T>>" : "NetworkInstrument<T>";
   values["VOICES"] = has_keys ? "\n#include \"contactspline/instrument/voices.hpp\"" : "";
   std::string& text = values["OPTIONS"] = "";
-  std::vector<std::string> view(10, "{}");  // the last members of InstrumentData
-  if (has_keys) view[0] = add_cpp_keys(keys, arrays, text);
+  std::vector<std::string> view(12, "{}");  // the last members of InstrumentData
+  view[0] = has_keys ? add_cpp_keys(keys, arrays, text) : cpp_far_ends(arrays);
   if (!arrays.preset_names.empty()) {
     std::vector<std::string> names;
     for (const ModelPreset& preset : model.presets) names.push_back(preset.name);
@@ -193,6 +199,12 @@ void add_cpp_options(const InstrumentModel& model, const InstrumentArrays& array
                         return fmt::format("{{{}, {}}}", hold.place, literal(hold.force_n));
                       }) + "}");
     view[9] = "holds";
+  }
+  if (!arrays.stretch_squares.empty()) {
+    text += cpp_numbers("stretch_squares", arrays.stretch_squares);
+    text += cpp_numbers("stretch_stiffnesses", arrays.stretch_stiffnesses);
+    view[10] = "stretch_squares";
+    view[11] = "stretch_stiffnesses";
   }
   while (!view.empty() && view.back() == "{}") view.pop_back();
   values["OPTIONS_VIEW"] = view.empty() ? "" : fmt::format(",\n              {}", fmt::join(view, ", "));
@@ -245,7 +257,7 @@ TemplateValues cpp_values(const InstrumentModel& model, const InstrumentArrays& 
   return values;
 }
 
-// Keys, presets and places that move, of a file that has them.
+// Keys, presets, places that move and bodies that stretch, of a file that has them.
 std::string json_options_of(const InstrumentModel& model, const InstrumentArrays& arrays) {
   std::string text;
   if (!model.keys.ranges.empty()) {
@@ -266,6 +278,9 @@ std::string json_options_of(const InstrumentModel& model, const InstrumentArrays
   }
   if (!arrays.wavenumbers.empty())
     text += fmt::format(",\n  \"wavenumber_rad_per_m\": [\n{}\n  ]", literal_rows(arrays.wavenumbers, 4));
+  if (!arrays.stretch_squares.empty())
+    text += fmt::format(",\n  \"stretch_squares_per_m2\": [\n{}\n  ],\n  \"stretch_stiffnesses_j\": [\n{}\n  ]",
+                        literal_rows(arrays.stretch_squares, 4), literal_rows(arrays.stretch_stiffnesses, 4));
   if (model.presets.empty()) return text;
   return text + fmt::format(",\n  \"presets\": [\n{}\n  ]",
                             rows_of(model.presets, "    ", [&](const ModelPreset& preset, std::size_t) {

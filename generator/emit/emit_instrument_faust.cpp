@@ -910,6 +910,8 @@ std::optional<std::string> faust_obstacle(const InstrumentModel& model, const In
   for (const ConnectionGroup& group : model.connections)
     if (group.each.kind == ConnectionKind::kFriction)
       return fmt::format("{} has the friction {}, which only the C++ class plays", model.name, group.name);
+  if (const InstrumentBody* body = model.stretching_body())
+    return fmt::format("{} has the body {} with stretch, which only the C++ class plays", model.name, body->name);
   for (std::size_t c = 0; c < model.controls.size(); ++c)
     if (model.controls[c].quantity == ControlQuantity::kPlace || model.parameters[c].acts == Acts::kAtNextNote)
       return fmt::format("{} has the control {}, which only the C++ class plays", model.name,

@@ -7,9 +7,12 @@
 
 #include "generator/material/named_file.hpp"
 #include "generator/resonator/resonator_reader.hpp"
+#include "generator/support/ranges.hpp"
 
 namespace contactspline {
 namespace {
+
+constexpr Range kCoreDiameter{1e-5, 0.1}, kHeadThickness{1e-6, 0.1}, kPoisson{-0.999, 0.999};
 
 /// Reads bodies, then places on them.
 class BodyReader {
@@ -19,7 +22,7 @@ class BodyReader {
   void read() {
     for (const JsonObject& body : draft_.json.objects("bodies",
                                                       {"name", "resonator", "string", "bar", "membrane", "plate",
-                                                       "modes", "mass_kg", "tuning_cents", "max_modes"},
+                                                       "modes", "mass_kg", "tuning_cents", "max_modes", "stretch"},
                                                       kMaxBodies))
       read_body(body);
     for (const JsonObject& place : draft_.objects("places", {"name", "body", "position_m", "angle_rad", "across_m",
@@ -70,6 +73,34 @@ class BodyReader {
       if (read.is_mass) body.fail(body.key("max_modes"), "is not for a mass", "beside resonators");
       read.resonator.max_modes = body.integer("max_modes", 1, max_modes_of(read.resonator.body));
     }
+    if (body.has("stretch")) read.stretch_j = read_stretch(body, read);
+  }
+
+  // Stiffness of the form by which a string (Kirchhoff and Carrier) or a membrane (Berger) stretches [J].
+  static double read_stretch(const JsonObject& body, const InstrumentBody& read) {
+    const auto object = [&](const std::vector<std::string>& keys, const char* example) {
+      if (!body.has_object("stretch"))
+        body.fail(body.key("stretch"), "is not an object", fmt::format("such as {}", example));
+      return body.object("stretch", keys);
+    };
+    if (const auto* string = std::get_if<StiffString>(&read.resonator.body)) {
+      const JsonObject stretch = object({"youngs_modulus_pa", "core_diameter_m"},
+                                        R"({ "youngs_modulus_pa": 2e11, "core_diameter_m": 0.0003 })");
+      const double diameter = stretch.number("core_diameter_m", kCoreDiameter);
+      const double section = std::numbers::pi / 4 * diameter * diameter;
+      return stretch.number("youngs_modulus_pa", ranges::kModulus) * section * string->length_m / 8;
+    }
+    if (const auto* membrane = std::get_if<Membrane>(&read.resonator.body)) {
+      const JsonObject stretch =
+          object({"youngs_modulus_pa", "thickness_m", "poisson_ratio"},
+                 R"({ "youngs_modulus_pa": 4.9e9, "thickness_m": 0.00025, "poisson_ratio": 0.38 })");
+      const double thickness = stretch.number("thickness_m", kHeadThickness);
+      const double poisson = stretch.number("poisson_ratio", kPoisson);
+      return stretch.number("youngs_modulus_pa", ranges::kModulus) * thickness * area_of(*membrane) /
+             (2 * (1 - poisson * poisson));
+    }
+    body.fail(body.key("stretch"), fmt::format("is not for a body of the kind '{}'", kind_of(read)),
+              "beside a string or a membrane");
   }
 
   void read_place(const JsonObject& place) {

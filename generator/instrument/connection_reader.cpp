@@ -33,6 +33,9 @@ class ConnectionReader {
              "springs", {"name", "between", "stiffness_n_per_m", "resistance_n_s_per_m", "gap_m", "gaps_m"}))
       read_spring(spring);
     for (const JsonObject& link : draft_.objects("links", {"name", "between", "gap_m", "gaps_m"})) read_link(link);
+    if (const InstrumentBody* body = model_.stretching_body(); body != nullptr && draft_.json.has("frictions"))
+      draft_.json.fail("frictions", fmt::format("stand in a file where '{}' has `stretch`", body->name),
+                       "frictions or `stretch`, one of the two");
     for (const JsonObject& friction :
          draft_.objects("frictions", {"name", "between", "material", "width_m", "coefficient", "stiffness_per_m",
                                       "normal_force_n", "surface_speed_m_per_s"}))

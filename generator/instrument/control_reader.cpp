@@ -108,6 +108,9 @@ class ControlReader {
   // A place that a control may move: one point of a string, which no rigid link holds.
   std::size_t place_on_string(const JsonObject& json, const char* key, const std::string& name) const {
     const std::size_t place = draft_.single_place(json, key, name);
+    if (const InstrumentBody* body = model_.stretching_body())
+      json.fail(json.key(key), fmt::format("stands in a file where '{}' has `stretch`", body->name),
+                "places that move or `stretch`, one of the two");
     if (!std::holds_alternative<StiffString>(model_.bodies[model_.places[place].body].resonator.body))
       json.fail(json.key(key), fmt::format("'{}' is not on a string", name), "a place on a string");
     for (const ConnectionGroup& group : model_.connections)

@@ -56,6 +56,15 @@ Resonator picked_up_at(Resonator resonator, const InstrumentPlace& place, const 
   return resonator;
 }
 
+// By what the square of a mode's displacement counts in the form of a body that stretches [1/m^2]: the mean of the
+// squared slope over the body, times 2 on a string (docs/how-it-works/stretching.md).
+double stretch_square(const decltype(Resonator::body)& body, const NumberedMode& mode) {
+  const double square = mode.wavenumber_per_m * mode.wavenumber_per_m;
+  if (const auto* membrane = std::get_if<Membrane>(&body))
+    return square * mode.mode.mass_kg / (membrane->mass_per_area_kg_m2 * area_of(*membrane));
+  return std::holds_alternative<StiffString>(body) ? square : 0;
+}
+
 /// Fills the arrays, part after part.
 class Flattener {
  public:
@@ -94,11 +103,15 @@ class Flattener {
         arrays_.tension_squares.push_back(string == nullptr ? 0 : thirteen_digits(square_by_tension(*string, mode)));
       if (model_.has_movers())
         arrays_.wavenumbers.push_back(string == nullptr ? 0 : thirteen_digits(mode.wavenumber_per_m));
+      if (model_.stretching_body() != nullptr)
+        arrays_.stretch_squares.push_back(
+            body.stretch_j > 0 ? thirteen_digits(stretch_square(body.resonator.body, mode)) : 0);
       arrays_.angular_frequencies.push_back(thirteen_digits(mode.mode.angular_frequency_rad_per_s));
       arrays_.decays.push_back(thirteen_digits(mode.mode.decay_per_s));
       arrays_.masses.push_back(thirteen_digits(mode.mode.mass_kg));
     }
     arrays_.body_ends.push_back(arrays_.masses.size());
+    if (model_.stretching_body() != nullptr) arrays_.stretch_stiffnesses.push_back(thirteen_digits(body.stretch_j));
   }
 
   void add_place(const InstrumentPlace& place) {
@@ -326,7 +339,9 @@ InstrumentData InstrumentArrays::view() const {
           .pressure_rate_hz = pressure_rate_hz,
           .pressure_paths = pressure_paths,
           .pressure_taps = pressure_taps,
-          .holds = holds};
+          .holds = holds,
+          .stretch_squares = stretch_squares,
+          .stretch_stiffnesses = stretch_stiffnesses};
 }
 
 double effective_mass(const InstrumentModel& model, std::size_t place, std::size_t point, bool moves) {

@@ -24,6 +24,7 @@ struct InstrumentBody {
   std::string name;
   Resonator resonator;
   bool is_mass;
+  double stretch_j = 0;  ///< stiffness of its form (StretchForm); 0: it does not stretch
 };
 
 /// One or more points of a body. On a table of modes it is one point, with its shapes.
@@ -90,6 +91,11 @@ struct InstrumentModel {
     return std::ranges::any_of(
         controls, [](const ControlTargets& control) { return control.quantity == ControlQuantity::kPlace; });
   }
+  /// The first body that stretches; none: nullptr.
+  [[nodiscard]] const InstrumentBody* stretching_body() const {
+    const auto found = std::ranges::find_if(bodies, [](const InstrumentBody& body) { return body.stretch_j > 0; });
+    return found == bodies.end() ? nullptr : &*found;
+  }
 
   std::string name;         ///< lower-case identifier
   std::string description;  ///< one line, may be empty
@@ -147,7 +153,8 @@ struct InstrumentArrays {
   std::vector<PressurePath> pressure_paths;
   std::vector<double> pressure_taps;
   std::vector<HoldingForce> holds;
-  std::shared_ptr<const InstrumentModel> model;  ///< with the text of all names
+  std::vector<double> stretch_squares, stretch_stiffnesses;  ///< empty unless a body stretches
+  std::shared_ptr<const InstrumentModel> model;              ///< with the text of all names
 
   [[nodiscard]] InstrumentData view() const;
 };

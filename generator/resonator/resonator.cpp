@@ -37,7 +37,7 @@ const BesselRoot& bessel_root(int order, int i) {
 UndampedMode undamped_mode(const Membrane& membrane, int order, int i) {
   const auto [root, ring] = bessel_root(order, i);
   const double beta = root / membrane.radius_m;
-  const double area = pi * membrane.radius_m * membrane.radius_m * (order == 0 ? 1.0 : 0.5);
+  const double area = area_of(membrane) * (order == 0 ? 1.0 : 0.5);
   return {beta * std::sqrt(membrane.tension_n_per_m / membrane.mass_per_area_kg_m2), beta,
           membrane.mass_per_area_kg_m2 * area * ring * ring};
 }

@@ -3,6 +3,7 @@
 // rectangular plate, table of modes.
 #pragma once
 
+#include <numbers>
 #include <span>
 #include <string>
 #include <string_view>
@@ -25,6 +26,11 @@ struct Membrane {
   double tension_n_per_m;
   Losses losses;
 };
+
+/// pi R^2 [m^2].
+[[nodiscard]] inline double area_of(const Membrane& membrane) {
+  return std::numbers::pi * membrane.radius_m * membrane.radius_m;
+}
 
 /// Modes that were measured or computed elsewhere, with the values of their shapes at the strike, at the pickup and,
 /// as the body of a keyboard, at the right ear and at the places of its bridges.

@@ -101,6 +101,22 @@ TEST(GoodInstrumentFile, IsAccepted) {
   EXPECT_EQ(outcome.out, "wrote out/probe.lib\nwrote out/probe.hpp\nwrote out/probe.json\n");
 }
 
+// Where a body stretches, there is no Faust program. `inspect` tells what stretches.
+TEST(BadInstrument, ThatStretchesHasNoFaustText) {
+  const Sandbox box;
+  write_file(box / "probe.json",
+             changed(kGood, R"("name": "other",)",
+                     R"("name": "other", "stretch": { "youngs_modulus_pa": 2e11, "core_diameter_m": 3e-4 },)"));
+  const std::string why = "probe has the body other with stretch, which only the C++ class plays";
+  expect_refused(generate(box, {"--emit", "faust"}), "probe.json: --emit: " + why, "allowed: cpp, whose class");
+  const Outcome outcome = generate(box);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, "wrote out/probe.hpp\nwrote out/probe.json\nleft out probe.lib: " + why + "\n");
+  // E S L/8
+  const Outcome inspected = run({.arguments = {"inspect", "probe.json"}, .folder = box.path()});
+  EXPECT_NE(inspected.out.find("Hz, stretches with 1237"), std::string::npos) << inspected.out;
+}
+
 // A Faust program of many contacts would take too long to compile.
 TEST(BadInstrument, OfManyContactsHasNoFaustText) {
   const Sandbox box;

@@ -74,6 +74,50 @@ TEST_P(ShippedInstrument, KeepsItsEnergyToRounding) {
     }
 }
 
+// A drum head and a string that stretch: a hammer, a string that is pulled at rest, a contact between the two, keys
+// that tune, a damper that falls. At rest nothing moves.
+constexpr auto kStretching = R"({
+  "name": "probe",
+  "bodies": [
+    { "name": "head", "membrane": { "radius_m": 0.15, "mass_per_area_kg_m2": 0.35, "tension_n_per_m": 900,
+                                    "constant_loss_per_s": 4, "quadratic_loss_m2_per_s": 6e-4 },
+      "stretch": { "youngs_modulus_pa": 4.9e9, "thickness_m": 2.5e-4, "poisson_ratio": 0.38 }, "max_modes": 40 },
+    { "name": "string", "resonator": "guitar_e2", "max_modes": 40,
+      "stretch": { "youngs_modulus_pa": 2e11, "core_diameter_m": 4e-4 } },
+    { "name": "hammer", "mass_kg": 0.01 } ],
+  "places": [ { "name": "struck", "body": "string", "position_m": 0.1 },
+              { "name": "held", "body": "string", "position_m": 0.4 },
+              { "name": "over", "body": "string", "position_m": 0.3 },
+              { "name": "under", "body": "head", "position_m": 0.03 } ],
+  "contacts": [ { "name": "felt", "between": ["hammer", "struck"], "material": "felt_c4", "gap_m": 0.004 },
+                { "name": "rattle", "between": ["under", "over"], "material": "rubber_on_wood", "gap_m": 0.0002 } ],
+  "springs": [ { "name": "hook", "between": ["held", "ground"], "stiffness_n_per_m": 300, "gap_m": 0.001 } ],
+  "strikes": ["hammer"],
+  "keys": [ { "first": 36, "last": 48, "event": "strike_hammer", "tuned_key": 40 } ],
+  "damper": { "bodies": ["string"], "damping_per_s": 60 },
+  "polyphony": 1,
+  "outputs": [ { "name": "string", "end_force_n": "string" } ]
+})";
+
+TEST(StretchingInstrument, KeepsItsEnergyToRounding) {
+  const Score score = parse_score(
+      R"({ "instrument": "probe.json", "duration_s": 2, "events": [
+           { "time_s": 0.2, "hammer_speed_m_per_s": 6 },
+           { "time_s": 0.6, "key": 40, "hold_s": 1 }, { "time_s": 0.9, "key": 43, "hold_s": 0.5 } ] })",
+      "score.json", [](const std::string&) { return std::string(kStretching); });
+  const Balance balance = balance_of(score.voices.front(), 44100, 2);
+  Measured() << balance.error_j / balance.peak_j << " of the peak, " << balance.peak_j << " J";
+  EXPECT_GT(balance.peak_j, 0.1);
+  EXPECT_TRUE(within(balance.error_j, 0, 1e-12 * balance.peak_j));
+  EXPECT_EQ(balance.bounded, 0U);
+
+  const InstrumentArrays arrays = instrument_arrays(*score.voices.front().model, 44100);
+  NetworkInstrument<double> at_rest(arrays.view(), 44100);
+  ASSERT_FALSE(arrays.holds.empty());
+  for (int n = 0; n < 1000; ++n) at_rest.tick();
+  EXPECT_TRUE(within(at_rest.output(0), 0, 1e-9));
+}
+
 // The shipped instrument that the text of a score names, or nothing.
 std::string instrument_in(std::string_view score) {
   for (const std::string& name : shipped_names(Shipped::kInstruments))

@@ -14,6 +14,7 @@
 #include "contactspline/data/friction_materials.hpp"
 #include "contactspline/data/mode.hpp"
 #include "contactspline/data/parameter.hpp"
+#include "contactspline/data/stretch_form.hpp"
 #include "contactspline/step/controls.hpp"
 #include "contactspline/step/memory.hpp"
 
@@ -162,7 +163,9 @@ struct KeyedData {
 /// preset_values: for each preset a value for each parameter. wavenumbers: of the modes, 0 where the body is no
 /// string [rad/m]; empty where no place moves. memory_ends[t]: number of memories of the tables 0 to t; empty if no
 /// contact has a memory. pressure_rate_hz: sample rate of pressure_taps. holds: empty where nothing is loaded at
-/// rest, with the gaps as they are there. license: SPDX identifier.
+/// rest, with the gaps as they are there. stretch_squares: of the modes [1/m^2]; empty where no body stretches.
+/// stretch_stiffnesses: of the bodies [J], 0 where one does not stretch (StretchForm); they stretch from where they
+/// rest. license: SPDX identifier.
 struct InstrumentData {
   const char *name, *description, *license;
   std::span<const double> angular_frequencies, decays, masses;
@@ -189,6 +192,7 @@ struct InstrumentData {
   std::span<const PressurePath> pressure_paths = {};
   std::span<const double> pressure_taps = {};
   std::span<const HoldingForce> holds = {};
+  std::span<const double> stretch_squares = {}, stretch_stiffnesses = {};
 
   [[nodiscard]] std::size_t modes_of(std::size_t body) const {
     return body_ends[body] - (body == 0 ? 0 : body_ends[body - 1]);
@@ -196,6 +200,12 @@ struct InstrumentData {
   /// The part of an array over all modes that belongs to a body.
   [[nodiscard]] std::span<const double> part_of(std::span<const double> numbers, std::size_t body) const {
     return numbers.subspan(body_ends[body] - modes_of(body), modes_of(body));
+  }
+  /// How a body stretches: one form, or none.
+  [[nodiscard]] std::vector<StretchForm> forms_of(std::size_t body) const {
+    if (stretch_squares.empty() || stretch_stiffnesses[body] == 0) return {};
+    const auto squares = part_of(stretch_squares, body);
+    return {{stretch_stiffnesses[body], {squares.begin(), squares.end()}}};
   }
   [[nodiscard]] std::span<const double> shapes_of(std::size_t place) const {
     std::size_t begin = 0;

@@ -97,7 +97,7 @@ struct InstrumentParts {
       for (; i < data.body_ends[b]; ++i)
         modes.push_back({data.angular_frequencies[i], data.decays[i], data.masses[i]});
       if (masses_kg[b]) modes.front().mass_kg = *masses_kg[b];
-      plan.add_body(modes);
+      plan.add_body(modes, data.forms_of(b));
     }
     for (std::size_t p = 0; p < data.place_bodies.size(); ++p) {
       const std::size_t body = data.place_bodies[p];

@@ -80,7 +80,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     for (std::size_t c = 0; c < data_.controls.size(); ++c)
       if (data_.controls[c].quantity == ControlQuantity::kDamping)
         apply(data_.controls[c], static_cast<T>(values_[c]));
-    pickups_.prepare(data_, sample_rate_hz);
+    pickups_.prepare(data_, *network_, sample_rate_hz);
     pickups_.measure(data_, *network_, tuning_);
     if constexpr (kRounds) prepare_in_double(sample_rate_hz);
     reset();

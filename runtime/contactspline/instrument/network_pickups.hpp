@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "contactspline/data/instrument_data.hpp"
+#include "contactspline/data/stiff_string.hpp"
 #include "contactspline/instrument/network_pressure.hpp"
 #include "contactspline/instrument/network_tuning.hpp"
 #include "contactspline/instrument/string_outputs.hpp"
@@ -24,13 +25,14 @@ template <std::floating_point T>
 class NetworkPickups {
  public:
   /// Allocates.
-  void prepare(const InstrumentData& data, double sample_rate_hz) {
+  void prepare(const InstrumentData& data, const ContactNetwork<T>& network, double sample_rate_hz) {
     pickups_.assign(data.targets.size(), {});
     for_each_place(data, [&](OutputQuantity quantity, std::size_t target) {
-      const std::size_t modes = data.modes_of(data.place_bodies[data.targets[target]]);
+      const std::size_t place = data.targets[target], modes = data.modes_of(data.place_bodies[place]);
       pickups_[target].displacement = ModeShapes<T>(modes);
       if (quantity == OutputQuantity::kVelocity)
         pickups_[target].velocity = {ModeShapes<T>(modes), ModeShapes<T>(modes)};
+      if (is_far_end(data, place)) pickups_[target].pull = pull_at(data, network, place);
     });
     pressure_.prepare(data, sample_rate_hz);
   }
@@ -44,8 +46,7 @@ class NetworkPickups {
       const std::size_t place = data.targets[target], body = data.place_bodies[place];
       const std::span<const double> shapes = data.shapes_of(place);
       const std::size_t first_mode = data.body_ends[body] - shapes.size();
-      // At the far end of a string a displacement is a force, which rises with the tension.
-      const bool is_force = place >= data.place_bodies.size() - data.keyed.far_ends;
+      const bool is_force = is_far_end(data, place);
       const ModalBank<T>& bank = network.body(body);
       Pickup& pickup = pickups_[target];
       for (std::size_t i = 0; i < shapes.size(); ++i)
@@ -75,16 +76,55 @@ class NetworkPickups {
                source.quantity == OutputQuantity::kVelocity)
         sum += body.velocity(pickups_[i].velocity);
       else
-        sum += body.displacement(pickups_[i].displacement);
+        sum += body.displacement(pickups_[i].displacement) + stretched_by(body, pickups_[i].pull);
     }
     return sum;
   }
 
  private:
+  // Of a body that stretches.
+  struct Pull {
+    std::vector<T> squares, shapes;
+  };
   struct Pickup {
     ModeShapes<T> displacement;
     typename ModalBank<T>::VelocityShapes velocity;  // of velocities and pressures only
+    Pull pull;                                       // of far ends only
   };
+
+  // There a displacement is a force, which rises with the tension.
+  [[nodiscard]] static bool is_far_end(const InstrumentData& data, std::size_t place) {
+    return place >= data.place_bodies.size() - data.keyed.far_ends;
+  }
+
+  // A form of stiffness c with the squares a_i adds c a_i s to the stiffness of mode i, and to the force as much.
+  [[nodiscard]] static Pull pull_at(const InstrumentData& data, const ContactNetwork<T>& network, std::size_t place) {
+    const std::size_t body = data.place_bodies[place];
+    Pull pull;
+    for (const StretchForm& form : data.forms_of(body)) {
+      const auto shapes = data.shapes_of(place);
+      const auto frequencies = data.part_of(data.angular_frequencies, body);
+      const auto decays = data.part_of(data.decays, body), masses = data.part_of(data.masses, body);
+      for (std::size_t i = 0; i < shapes.size(); ++i) {
+        const double square = form.squares_per_m2[i];
+        const double ratio = form.stiffness_j * square / stiffness_of({frequencies[i], decays[i], masses[i]});
+        pull.squares.push_back(static_cast<T>(square));
+        pull.shapes.push_back(network.body(body).sound_shape(i, static_cast<T>(ratio * shapes[i])));
+      }
+    }
+    return pull;
+  }
+
+  // What the tension that rises adds to the force at a far end.
+  [[nodiscard]] static T stretched_by(const ModalBank<T>& body, const Pull& pull) {
+    T stretch = 0, slope = 0;
+    for (std::size_t i = 0; i < pull.shapes.size(); ++i) {
+      const T q = body.displacement(i);
+      stretch += pull.squares[i] * q * q;
+      slope += pull.shapes[i] * q;
+    }
+    return stretch * slope;
+  }
 
   // use(quantity, target): for each target of an output that is a place. The first of a pressure is a velocity.
   template <typename Use>

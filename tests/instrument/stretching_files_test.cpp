@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+// Instrument files with the key `stretch`: against a network by hand, and the pitch of a drum that falls.
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "generator/instrument/instrument_reader.hpp"
+#include "generator/support/input_file.hpp"
+#include "slack_string.hpp"
+#include "support/compare.hpp"
+#include "support/measured.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+constexpr double kRate = 44100, kPi = std::numbers::pi;
+
+// A finger that pulls within 10 ms and lets go [N].
+double pull(int n) {
+  return n < 441 ? 0.3 * n / 441 : 0;
+}
+
+// The string of slack_string.json, with its form and the force on its far support, -(T + dT) u' + EI u''', by hand.
+// T is 6.35 N, EI 8e-5 N m^2; dT = E S/(2 L) times the integral of u'^2. The arrays have 13 digits.
+TEST(StretchingFile, PlaysAStringAsANetworkByHand) {
+  constexpr double kLength = 0.65, kTension = 6.35, kBending = 8e-5, kAxial = 2e11 * kPi / 4 * 3e-4 * 3e-4;
+  const InstrumentArrays arrays =
+      arrays_of(parse_instrument(read_input(SLACK_STRING), "slack_string.json"), kRate / 2);
+  NetworkInstrument<double> instrument(arrays.view(), kRate);
+  StretchForm form{kAxial * kLength / 8, {}};
+  std::vector<double> plucked, pickup, wavenumbers;
+  for (std::size_t i = 0; i < arrays.masses.size(); ++i) {
+    wavenumbers.push_back(static_cast<double>(i + 1) * kPi / kLength);
+    form.squares_per_m2.push_back(wavenumbers[i] * wavenumbers[i]);
+    plucked.push_back(std::sin(wavenumbers[i] * 0.13));
+    pickup.push_back(std::sin(wavenumbers[i] * 0.06));
+  }
+  NetworkPlan<double> plan;
+  const std::size_t string = plan.add_body(arrays.view().modes(), std::vector{form});
+  const std::size_t finger = plan.add_place(string, plucked);
+  ContactNetwork<double> network(plan, kRate);
+  const ModeShapes<double> heard = network.body(string).sound_pickup(pickup);
+  std::vector<double> actual[2], expected[2];
+  double highest = 0;
+  for (int n = 0; n < 8820; ++n) {
+    instrument.set(0, pull(n));
+    instrument.tick();
+    network.push(finger, pull(n));
+    network.tick();
+    double rise = 0, end = 0;
+    for (std::size_t i = 0; i < wavenumbers.size(); ++i)
+      rise += kAxial / 4 * form.squares_per_m2[i] * std::pow(network.body(string).displacement(i), 2);
+    for (std::size_t i = 0; i < wavenumbers.size(); ++i)
+      end -= wavenumbers[i] * (kTension + rise + kBending * form.squares_per_m2[i]) * (i % 2 == 0 ? -1 : 1) *
+             network.body(string).sound_shape(i, network.body(string).displacement(i));
+    highest = std::max(highest, rise / kTension);
+    for (std::size_t o = 0; o < 2; ++o) actual[o].push_back(instrument.output(o));
+    expected[0].push_back(network.body(string).displacement(heard));
+    expected[1].push_back(end);
+  }
+  Measured() << "the tension rises by " << 100 * highest << " %";
+  EXPECT_GT(highest, 0.2);
+  for (std::size_t o = 0; o < 2; ++o)
+    EXPECT_TRUE(sequences_within<double>(actual[o], expected[o], 1e-9)) << arrays.outputs[o].name;
+}
+
+// The class that `generate` emits has the forms and the far end, too.
+TEST(StretchingFile, PlaysAsItsClass) {
+  const InstrumentArrays arrays =
+      arrays_of(parse_instrument(read_input(SLACK_STRING), "slack_string.json"), kRate / 2);
+  NetworkInstrument<double> of_file(arrays.view(), kRate);
+  instruments::slack_string<double> of_class(kRate);
+  for (int n = 0; n < 2000; ++n) {
+    of_file.set(0, pull(n));
+    of_class.set_finger_force_n(pull(n));
+    of_file.tick();
+    of_class.tick();
+    ASSERT_EQ(of_file.output(0), of_class.output(0)) << n;
+    ASSERT_EQ(of_file.output(1), of_class.output(1)) << n;
+  }
+}
+
+// The frequency of the lowest mode of the tom in periods from `from_s` on [Hz], and what the adiabatic law says of
+// it.
+struct Pitch {
+  double measured_hz, expected_hz;
+  double rise;  ///< twice the mean rise of the tension, in parts of it
+};
+
+// Tension of a membrane by Berger: T + dT, dT = E h/(2 (1 - nu^2)) times the mean of the squared slope. Mode i of the
+// displacement q_i has the mean slope square beta_i^2 q_i^2 m_i/(sigma pi R^2).
+//
+// What the mode itself adds to dT swings at twice its frequency, which counts half of that once more: f = f0 sqrt(1 +
+// (mean of dT + half of the part of the mode)/T).
+Pitch pitch_of(const std::vector<std::vector<double>>& motion, const InstrumentArrays& arrays, double from_s) {
+  constexpr double kRadius = 0.1524, kMass = 0.353, kTension = 900, kPoisson = 0.38;
+  constexpr double kStiffness = 4.9e9 * 2.54e-4 / (2 * (1 - kPoisson * kPoisson));
+  constexpr int kPeriods = 4;
+  std::vector<double> crossings;  // in samples
+  for (std::size_t n = static_cast<std::size_t>(from_s * kRate); crossings.size() <= kPeriods; ++n)
+    if (const double before = motion[n][0], after = motion[n + 1][0]; before < 0 && after >= 0)
+      crossings.push_back(static_cast<double>(n) - before / (after - before));
+  const auto rise_by = [&](std::size_t i, double q) {
+    const double w = arrays.angular_frequencies[i], s = arrays.decays[i];
+    const double square = (w * w + s * s) * kMass / kTension;
+    return kStiffness * square * q * q * arrays.masses[i] / (kMass * kPi * kRadius * kRadius) / kTension;
+  };
+  Pitch pitch{kPeriods * kRate / (crossings.back() - crossings.front()), 0, 0};
+  const auto first = static_cast<std::size_t>(crossings.front()), last = static_cast<std::size_t>(crossings.back());
+  double mean = 0;
+  for (std::size_t n = first; n < last; ++n) {
+    for (std::size_t i = 0; i < arrays.masses.size(); ++i)
+      mean += (i == 0 ? 1.5 : 1) * rise_by(i, motion[n][i]) / static_cast<double>(last - first);
+  }
+  pitch.rise = 2 * mean;
+  pitch.expected_hz = arrays.angular_frequencies[0] / (2 * kPi) * std::sqrt(1 + mean);
+  return pitch;
+}
+
+double cents(double ratio) {
+  return 1200 * std::log2(ratio);
+}
+
+// By how many cents the pitch falls within 300 ms of a stroke. Bounds of the law, with r = `rise`: the period of
+// Duffing's oscillator differs by 3/256 r^2, 20 cents r^2. The other modes, from 1.59 f0 on, swing dT at twice their
+// frequencies and by that the phase by up to r/4/(2 1.59) = 0.079 r: at both ends of four periods this is 11 cents r.
+double fall_of_tom(const InstrumentModel& model, double speed_m_per_s) {
+  const InstrumentArrays arrays = arrays_of(model, kRate / 2);
+  NetworkInstrument<double> tom(arrays.view(), kRate);
+  tom.strike(0, speed_m_per_s);
+  std::vector<std::vector<double>> motion;  // of the modes
+  for (int n = 0; n < 0.35 * kRate; ++n) {
+    tom.tick();
+    const auto displacements = tom.network().body(0).displacements();
+    motion.emplace_back(displacements.begin(), displacements.end());
+  }
+  const Pitch early = pitch_of(motion, arrays, 0.02), late = pitch_of(motion, arrays, 0.3);
+  const double fall = cents(early.measured_hz / late.measured_hz);
+  if (model.bodies[0].stretch_j == 0) return fall;
+  const double expected = cents(early.expected_hz / late.expected_hz), r = early.rise;
+  Measured() << speed_m_per_s << " m/s: " << early.measured_hz << " to " << late.measured_hz << " Hz, falls by "
+             << fall << " cents, by the law " << expected << ", tension rises by " << 50 * r << " % on average";
+  EXPECT_TRUE(within(fall, expected, 11 * r + 20 * r * r));
+  return fall;
+}
+
+// Recorded toms fall by 80 to 231 cents where they are struck hard.
+TEST(StretchingFile, LetsThePitchOfATomFall) {
+  InstrumentModel tom = parse_instrument(read_input(EXAMPLES_FOLDER "/tom_that_falls.json"), "tom_that_falls.json");
+  EXPECT_LT(fall_of_tom(tom, 0.5), 5);
+  EXPECT_TRUE(within(fall_of_tom(tom, 6), (231 + 80) / 2.0, (231 - 80) / 2.0));
+  tom.bodies[0].stretch_j = 0;
+  EXPECT_TRUE(within(fall_of_tom(tom, 6), 0, 1e-3));
+}
+
+}  // namespace
+}  // namespace contactspline::testing
