@@ -93,7 +93,7 @@ class Readers {
     for (const Page& page : pages) write_examples(page);
     for (const Page& page : pages)
       for (const std::string& block : blocks_of(page, "json")) ask(whole(block, page), page.path);
-    for (const char* folder : {"data", "examples/keyboards"})
+    for (const char* folder : {"data", "examples/keyboards", "examples/instruments"})
       for (const auto& entry : fs::recursive_directory_iterator(fs::path(SOURCE_FOLDER) / folder))
         if (entry.path().extension() == ".json") ask(parsed(read_file(entry.path())), entry.path().filename());
     ask_about_curves();

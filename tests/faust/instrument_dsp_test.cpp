@@ -341,7 +341,7 @@ TEST(FaustInstrument, OfThePreparedPianoRattlesAsTheClass) {
       for (const auto* other : {&faster, &heavier})
         allowed = std::max(allowed, std::abs((*other)[o][n] - expected[o][n]) / largest);
       ASSERT_LE(error, 30 * allowed + 1e-13) << o << ' ' << n;
-      EXPECT_TRUE(n > 840 || error <= 1e-9) << n;
+      EXPECT_TRUE(n > 800 || error <= 1e-9) << n;
     }
     EXPECT_GT(allowed, 1e-9);  // it does rattle
   }

@@ -25,7 +25,7 @@ double pull(int n) {
 TEST(StretchingFile, PlaysAStringAsANetworkByHand) {
   constexpr double kLength = 0.65, kTension = 6.35, kBending = 8e-5, kAxial = 2e11 * kPi / 4 * 3e-4 * 3e-4;
   const InstrumentArrays arrays =
-      arrays_of(parse_instrument(read_input(SLACK_STRING), "slack_string.json"), kRate / 2);
+      arrays_of(parse_instrument(read_input(EXAMPLES_FOLDER "/slack_string.json"), "slack_string.json"), kRate / 2);
   NetworkInstrument<double> instrument(arrays.view(), kRate);
   StretchForm form{kAxial * kLength / 8, {}};
   std::vector<double> plucked, pickup, wavenumbers;
@@ -67,7 +67,7 @@ TEST(StretchingFile, PlaysAStringAsANetworkByHand) {
 // The class that `generate` emits has the forms and the far end, too.
 TEST(StretchingFile, PlaysAsItsClass) {
   const InstrumentArrays arrays =
-      arrays_of(parse_instrument(read_input(SLACK_STRING), "slack_string.json"), kRate / 2);
+      arrays_of(parse_instrument(read_input(EXAMPLES_FOLDER "/slack_string.json"), "slack_string.json"), kRate / 2);
   NetworkInstrument<double> of_file(arrays.view(), kRate);
   instruments::slack_string<double> of_class(kRate);
   for (int n = 0; n < 2000; ++n) {
