@@ -152,6 +152,19 @@ std::string add_cpp_keys(const ModelKeys& keys, const InstrumentArrays& arrays, 
                      literal(keys.damper_per_s), parameter(keys.sustain), parameter(keys.bend));
 }
 
+// Adds the arrays of listening places to the text and to the view of them.
+void add_cpp_pressure(const InstrumentArrays& arrays, std::string& text, std::vector<std::string>& view) {
+  if (arrays.pressure_paths.empty()) return;
+  text += cpp_array("PressurePath", arrays.pressure_paths.size(), "pressure_paths",
+                    "{\n" + rows_of(arrays.pressure_paths, "        ", [](const PressurePath& path, std::size_t) {
+                      return fmt::format("{{{}, {}, {}}}", path.output, path.place, path.taps);
+                    }) + "}");
+  text += cpp_numbers("pressure_taps", arrays.pressure_taps);
+  view[6] = literal(arrays.pressure_rate_hz);
+  view[7] = "pressure_paths";
+  view[8] = "pressure_taps";
+}
+
 // What keys, presets, places that move, memories, listening places, loads at rest and bodies that stretch add to the
 // arrays, and to the view of them.
 void add_cpp_options(const InstrumentModel& model, const InstrumentArrays& arrays, TemplateValues& values) {
@@ -183,16 +196,7 @@ void add_cpp_options(const InstrumentModel& model, const InstrumentArrays& array
     view[4] = "memories";
     view[5] = "memory_ends";
   }
-  if (!arrays.pressure_paths.empty()) {
-    text += cpp_array("PressurePath", arrays.pressure_paths.size(), "pressure_paths",
-                      "{\n" + rows_of(arrays.pressure_paths, "        ", [](const PressurePath& path, std::size_t) {
-                        return fmt::format("{{{}, {}, {}}}", path.output, path.place, path.taps);
-                      }) + "}");
-    text += cpp_numbers("pressure_taps", arrays.pressure_taps);
-    view[6] = literal(arrays.pressure_rate_hz);
-    view[7] = "pressure_paths";
-    view[8] = "pressure_taps";
-  }
+  add_cpp_pressure(arrays, text, view);
   if (!arrays.holds.empty()) {
     text += cpp_array("HoldingForce", arrays.holds.size(), "holds",
                       "{\n" + rows_of(arrays.holds, "        ", [](const HoldingForce& hold, std::size_t) {
