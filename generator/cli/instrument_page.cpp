@@ -146,7 +146,7 @@ std::string instrument_table(const InstrumentModel& model, double sample_rate_hz
                     parameter.initial));
   heading("events");
   for (const ModelEvent& event : model.events)
-    row(event.name, event.kind == EventKind::kStrike ? "strike" : "pluck", model.parameters[event.parameter].name);
+    row(event.name, event_kind(event.kind).verb, model.parameters[event.parameter].name);
   heading(fmt::format("keys, on {} voices", model.keys.voices));
   for (const KeyRange& range : model.keys.ranges)
     row(range.first == range.last ? fmt::format("{}", range.first) : fmt::format("{} to {}", range.first, range.last),

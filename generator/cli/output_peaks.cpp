@@ -34,8 +34,7 @@ std::vector<Played> all_played(const InstrumentModel& model) {
   if (!all.empty()) return all;
   for (const ModelEvent& event : model.events)
     all.push_back({event.name,
-                   {0, event.kind == EventKind::kStrike ? Action::kStrike : Action::kPluck, event.number,
-                    TimedEvent::kOfParameter, kPluckRise_s}});
+                   {0, action_of(event.kind), event.number, TimedEvent::kOfParameter, kPluckRise_s}});
   return all;
 }
 

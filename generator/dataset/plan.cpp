@@ -118,7 +118,8 @@ PlannedEvent read_event(const Reading& reading, const JsonObject& event) {
   PlannedEvent planned{sample_at(reading, event.number("time_s", times)), PlannedEvent::kKey, 0};
   if (plays) {
     const Event& played = reading.instrument.events()[read_choice(event, "event", reading.instrument.events())];
-    planned.kind = played.kind == EventKind::kStrike ? PlannedEvent::kStrike : PlannedEvent::kPluck;
+    planned.kind = PlannedEvent::kPlay;
+    planned.action = action_of(played.kind);
     planned.number = played.number;
   } else if (sets) {
     planned.kind = PlannedEvent::kSet;
@@ -136,11 +137,11 @@ PlannedEvent read_event(const Reading& reading, const JsonObject& event) {
   };
   only("to", sets, "beside parameter");
   only("velocity", planned.kind == PlannedEvent::kKey, "beside key");
-  const bool can_hold = planned.kind == PlannedEvent::kStrike || planned.kind == PlannedEvent::kKey;
-  if (only("hold_s", can_hold, "beside key, or an event that strikes"))
+  const bool plucks = plays && planned.action == Action::kPluck;
+  if (only("hold_s", !sets && !plucks, "beside key, or an event that strikes or bows"))
     planned.end = planned.sample + sample_at(reading, event.number("hold_s", times));
   planned.rise_s = kPluckRise_s;
-  if (only("rise_s", planned.kind == PlannedEvent::kPluck, "beside an event that plucks"))
+  if (only("rise_s", plucks, "beside an event that plucks"))
     planned.rise_s = event.number("rise_s", {1e-5, 1});
   return planned;
 }

@@ -10,22 +10,25 @@
 #include <string_view>
 #include <vector>
 
+#include "contactspline/data/timed_event.hpp"
 #include "generator/dataset/distribution.hpp"
 #include "generator/material/contact_reader.hpp"
 #include "generator/player/instrument_maker.hpp"
 
 namespace contactspline {
 
-/// What happens to each sample at a time: a blow or a pluck by the value of its parameter, a key, or a new value.
+/// What happens to each sample at a time: an event of the instrument by the value of its parameter, a key,
+/// or a new value.
 struct PlannedEvent {
-  enum Kind : unsigned char { kStrike, kPluck, kKey, kSet };
+  enum Kind : unsigned char { kPlay, kKey, kSet };
   static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 
   std::size_t sample;
   Kind kind;
-  std::size_t number;                      ///< of the blow or pluck among those of its kind; of the parameter of kSet
+  std::size_t number;                      ///< of the event among those of its kind; of the parameter of kSet
   std::size_t key = kNone, value = kNone;  ///< columns: the key, its velocity or the new value
   std::size_t end = kNone;                 ///< sample at which a hold ends
+  Action action = Action::kNoteOn;         ///< of kPlay
   double rise_s = 0;                       ///< of a pluck
 };
 

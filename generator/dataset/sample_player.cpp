@@ -69,11 +69,9 @@ class SamplePlayer::In final : public Interface {
         case PlannedEvent::kSet:
           events_.push_back({event.sample, Action::kSet, event.number, value, 0});
           break;
-        case PlannedEvent::kPluck:
-          events_.push_back({event.sample, Action::kPluck, event.number, TimedEvent::kOfParameter, event.rise_s});
-          break;
-        case PlannedEvent::kStrike:
-          add_held(event, event.number, Action::kStrike, Action::kRelease, TimedEvent::kOfParameter);
+        case PlannedEvent::kPlay:
+          add_held(event, event.number, event.action, event.action == Action::kBow ? Action::kBow : Action::kRelease,
+                   TimedEvent::kOfParameter);
           break;
         case PlannedEvent::kKey:
           add_held(event, static_cast<std::size_t>(values[event.key]), Action::kNoteOn, Action::kNoteOff, value);
@@ -84,7 +82,7 @@ class SamplePlayer::In final : public Interface {
   }
 
   void add_held(const PlannedEvent& event, std::size_t number, Action begin, Action end, double value) {
-    events_.push_back({event.sample, begin, number, value, 0});
+    events_.push_back({event.sample, begin, number, value, event.rise_s});
     if (event.end != PlannedEvent::kNone) events_.push_back({event.end, end, number, 0, 0});
   }
 

@@ -87,10 +87,8 @@ std::string members_of(const InstrumentModel& model) {
         parameter.allowed.min, parameter.allowed.max, parameter.initial, parameter.name, i);
   }
   for (const ModelEvent& event : model.events) {
-    const bool is_strike = event.kind == EventKind::kStrike;
-    members +=
-        fmt::format("\n  void {}(T {}) {{ this->{}({}, {}); }}", event.name, is_strike ? "speed_m_per_s" : "force_n",
-                    is_strike ? "strike" : "pluck", event.number, is_strike ? "speed_m_per_s" : "force_n");
+    const auto& [kind, name, verb, value] = event_kind(event.kind);
+    members += fmt::format("\n  void {0}(T {1}) {{ this->{2}({3}, {1}); }}", event.name, value, verb, event.number);
   }
   for (std::size_t i = 0; i < model.outputs.size(); ++i)
     members += fmt::format("\n  [[nodiscard]] T {}() const {{ return this->output({}); }}", model.outputs[i].name, i);
@@ -143,7 +141,9 @@ std::string cpp_far_ends(const InstrumentArrays& arrays) {
 std::string add_cpp_keys(const ModelKeys& keys, const InstrumentArrays& arrays, std::string& text) {
   text += cpp_array("KeyRange", keys.ranges.size(), "key_ranges",
                     "{\n" + rows_of(keys.ranges, "        ", [](const KeyRange& range, std::size_t) {
-                      return fmt::format("{{{}, {}, {}, {}}}", range.first, range.last, range.event, range.tuned_key);
+                      const std::string string = range.string == kAllStrings ? "" : fmt::format(", {}", range.string);
+                      return fmt::format("{{{}, {}, {}, {}{}}}", range.first, range.last, range.event, range.tuned_key,
+                                         string);
                     }) + "}");
   text += cpp_numbers("tension_squares", arrays.tension_squares);
   text += cpp_array("std::size_t", keys.damped.size(), "damped", whole_numbers(keys.damped));
@@ -173,7 +173,7 @@ void add_cpp_options(const InstrumentModel& model, const InstrumentArrays& array
   values["BASE"] = has_keys ? "Voices<NetworkInstrument<T>>" : "NetworkInstrument<T>";
   values["VOICES"] = has_keys ? "\n#include \"contactspline/instrument/voices.hpp\"" : "";
   std::string& text = values["OPTIONS"] = "";
-  std::vector<std::string> view(12, "{}");  // the last members of InstrumentData
+  std::vector<std::string> view(14, "{}");  // the last members of InstrumentData
   view[0] = has_keys ? add_cpp_keys(keys, arrays, text) : cpp_far_ends(arrays);
   if (!arrays.preset_names.empty()) {
     std::vector<std::string> names;
@@ -209,6 +209,15 @@ void add_cpp_options(const InstrumentModel& model, const InstrumentArrays& array
     text += cpp_numbers("stretch_stiffnesses", arrays.stretch_stiffnesses);
     view[10] = "stretch_squares";
     view[11] = "stretch_stiffnesses";
+  }
+  if (!arrays.bows.empty()) {
+    text += cpp_array("InstrumentBow", arrays.bows.size(), "bows",
+                      "{\n" + rows_of(arrays.bows, "        ", [](const InstrumentBow& bow, std::size_t) {
+                        return fmt::format("{{{}, {}, {{{}, {}}}}}", bow.first, bow.count,
+                                           literal(bow.limits.min_n_s_per_m), literal(bow.limits.max_n_s_per_m));
+                      }) + "}");
+    view[12] = "bows";
+    view[13] = place_or("kNoParameter", model.assistance);
   }
   while (!view.empty() && view.back() == "{}") view.pop_back();
   values["OPTIONS_VIEW"] = view.empty() ? "" : fmt::format(",\n              {}", fmt::join(view, ", "));
@@ -252,8 +261,7 @@ TemplateValues cpp_values(const InstrumentModel& model, const InstrumentArrays& 
   values["PARAMETER_ROWS"] =
       rows_of(arrays.parameters, kIndent, [](const Parameter& p, std::size_t) { return cpp_parameter(p); });
   values["EVENT_ROWS"] = rows_of(arrays.events, kIndent, [](const Event& e, std::size_t) {
-    return fmt::format("{{\"{}\", EventKind::{}, {}, {}}}", e.name,
-                       e.kind == EventKind::kStrike ? "kStrike" : "kPluck", e.number, e.parameter);
+    return fmt::format("{{\"{}\", EventKind::{}, {}, {}}}", e.name, event_kind(e.kind).name, e.number, e.parameter);
   });
   values["OUTPUT_ROWS"] = rows_of(arrays.outputs, kIndent, [](const Output& o, std::size_t) {
     return fmt::format("{{\"{}\", \"{}\", {}}}", o.name, o.unit, literal(o.full_scale));
@@ -270,8 +278,11 @@ std::string json_options_of(const InstrumentModel& model, const InstrumentArrays
                                 [&](const KeyRange& range, std::size_t) {
                                   const std::string tuned =
                                       range.tuned_key < 0 ? "" : fmt::format(", \"tuned_key\": {}", range.tuned_key);
-                                  return fmt::format("{{\"first\": {}, \"last\": {}, \"event\": \"{}\"{}}}",
-                                                     range.first, range.last, model.events[range.event].name, tuned);
+                                  const std::string string =
+                                      range.string == kAllStrings ? "" : fmt::format(", \"string\": {}", range.string);
+                                  return fmt::format("{{\"first\": {}, \"last\": {}, \"event\": \"{}\"{}{}}}",
+                                                     range.first, range.last, model.events[range.event].name, tuned,
+                                                     string);
                                 }),
                         model.keys.voices);
     if (!arrays.tension_squares.empty())
@@ -285,6 +296,13 @@ std::string json_options_of(const InstrumentModel& model, const InstrumentArrays
   if (!arrays.stretch_squares.empty())
     text += fmt::format(",\n  \"stretch_squares_per_m2\": [\n{}\n  ],\n  \"stretch_stiffnesses_j\": [\n{}\n  ]",
                         literal_rows(arrays.stretch_squares, 4), literal_rows(arrays.stretch_stiffnesses, 4));
+  if (!arrays.bows.empty())
+    text += fmt::format(",\n  \"bows\": [\n{}\n  ]",
+                        rows_of(arrays.bows, "    ", [](const InstrumentBow& bow, std::size_t) {
+                          return fmt::format(
+                              "{{\"first\": {}, \"count\": {}, \"min_n_s_per_m\": {}, \"max_n_s_per_m\": {}}}", bow.first,
+                              bow.count, literal(bow.limits.min_n_s_per_m), literal(bow.limits.max_n_s_per_m));
+                        }));
   if (model.presets.empty()) return text;
   return text + fmt::format(",\n  \"presets\": [\n{}\n  ]",
                             rows_of(model.presets, "    ", [&](const ModelPreset& preset, std::size_t) {

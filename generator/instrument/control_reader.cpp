@@ -6,12 +6,15 @@
 #include <iterator>
 #include <utility>
 
+#include "contactspline/midi/midi_meaning.hpp"
 #include "generator/resonator/resonator_reader.hpp"
 
 namespace contactspline {
 namespace {
 
 constexpr double kFinger_n = 10, kArm_m_per_s = 1;
+constexpr Range kForceOverSpeed{1e-3, 1e4};  // of a bow [N s/m]
+constexpr int kMaxController = 119;
 
 // The keys of what controls set, in the order of kControlQuantities.
 std::vector<std::string> quantity_keys() {
@@ -27,10 +30,11 @@ class ControlReader {
 
   void read() {
     if (draft_.json.has("strikes")) read_strikes();
-    std::vector<std::string> keys = {"name", "initial", "min", "max", "release_n", "acts"};
+    std::vector<std::string> keys = {"name", "initial", "min", "max", "release_n", "acts", "controller"};
     std::ranges::copy(quantity_keys(), std::back_inserter(keys));
     for (const JsonObject& control : draft_.objects("controls", keys)) read_control(control);
     add_events();
+    read_bows();
   }
 
  private:
@@ -65,6 +69,7 @@ class ControlReader {
     if (control.quantity == ControlQuantity::kPlace || control.quantity == ControlQuantity::kMass)
       masses_.check_lightest(json, control, parameter.allowed.min);
     if (json.has("release_n")) read_pluck(json, parameter, control.quantity);
+    if (json.has("controller")) read_controller(json, parameter);
     if (control.quantity == ControlQuantity::kForce || control.quantity == ControlQuantity::kNormalForce)
       narrow_slider(json, parameter, kFinger_n);
     if (control.quantity == ControlQuantity::kSurfaceSpeed) narrow_slider(json, parameter, kArm_m_per_s);
@@ -221,6 +226,64 @@ class ControlReader {
                        .initial = release_n,
                        .acts = Acts::kAtNextNote});
     model_.plucks.push_back(model_.controls.size());
+  }
+
+  // What of MIDI moves a control.
+  void read_controller(const JsonObject& json, ModelParameter& parameter) const {
+    if (json.has_text("controller")) {
+      constexpr auto kAllowed = "\"pressure\" or an integer from 1 to 119";
+      const std::string name = json.text("controller", kAllowed);
+      if (name != "pressure") json.fail(json.key("controller"), fmt::format("'{}' is unknown", shown(name)), kAllowed);
+      parameter.controller = kPressureController;
+    } else {
+      parameter.controller = static_cast<unsigned char>(json.integer("controller", 1, kMaxController));
+    }
+    for (const int pedal : kMidiPedals)
+      if (parameter.controller == pedal)
+        json.fail(json.key("controller"), fmt::format("{} is a pedal", pedal), "another number, such as 2 or 74");
+  }
+
+  // What is bowed, and the parameters that all bows share.
+  void read_bows() {
+    for (const JsonObject& row : draft_.objects("bows", {"friction", "min_n_s_per_m", "max_n_s_per_m"})) {
+      const std::string name = row.text("friction", "the name of a friction");
+      const std::size_t group =
+          index_of(row, row.key("friction"), name, model_.connections, "contact, spring, link or friction");
+      if (model_.connections[group].each.kind != ConnectionKind::kFriction)
+        row.fail(row.key("friction"), fmt::format("'{}' is a {}", name, name_of(model_.connections[group].each.kind)),
+                 "a friction");
+      if (std::ranges::find(model_.bows, group, &ModelBow::group) != model_.bows.end())
+        row.fail(row.key("friction"), fmt::format("'{}' is named twice", name), "once");
+      model_.events.push_back({"bow_" + name, EventKind::kBow, model_.bows.size(), model_.parameters.size()});
+      model_.bows.push_back({group, limits_of(row)});
+    }
+    if (model_.bows.empty()) return;
+    add_bow_parameter({.name = "bow_acceleration_m_per_s2",
+                       .unit = "m/s2",
+                       .allowed = {0, 1000},
+                       .slider = {0, 50},
+                       .initial = 5,
+                       .acts = Acts::kAtNextNote});
+    if (std::ranges::none_of(model_.bows, [](const ModelBow& bow) { return bow.limits.max_n_s_per_m > 0; })) return;
+    model_.assistance = model_.parameters.size();
+    add_bow_parameter({.name = "assistance", .unit = "", .allowed = {0, 1}, .slider = {0, 1}, .initial = 1});
+  }
+
+  void add_bow_parameter(ModelParameter parameter) {
+    draft_.require_public(draft_.json, "bows", parameter.name);
+    model_.parameters.push_back(std::move(parameter));
+  }
+
+  static BowLimits limits_of(const JsonObject& row) {
+    const bool has_min = row.has("min_n_s_per_m");
+    if (has_min != row.has("max_n_s_per_m"))
+      row.fail(row.key(has_min ? "max_n_s_per_m" : "min_n_s_per_m"), "is missing",
+               "both limits of the force over the speed, or none");
+    if (!has_min) return {};
+    const double min = row.number("min_n_s_per_m", kForceOverSpeed);
+    const double max = row.number("max_n_s_per_m", kForceOverSpeed);
+    if (!(min < max)) row.fail(row.key("min_n_s_per_m"), fmt::format("{} is not below {}", min, max), "min below max");
+    return {min, max};
   }
 
   // A force or a speed without limits of its own is played up to what a finger or an arm does.

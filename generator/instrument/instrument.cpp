@@ -84,6 +84,9 @@ class Flattener {
     for (const ModelOutput& output : model_.outputs) add_source(output);
     arrays_.strikes = model_.strikes;
     arrays_.plucks = model_.plucks;
+    for (const ModelBow& bow : model_.bows)
+      arrays_.bows.push_back(
+          {first_connection_[bow.group], model_.connections[bow.group].gaps_m.size(), bow.limits});
     add_lists();
     return std::move(arrays_);
   }
@@ -341,7 +344,9 @@ InstrumentData InstrumentArrays::view() const {
           .pressure_taps = pressure_taps,
           .holds = holds,
           .stretch_squares = stretch_squares,
-          .stretch_stiffnesses = stretch_stiffnesses};
+          .stretch_stiffnesses = stretch_stiffnesses,
+          .bows = bows,
+          .assistance = model->assistance};
 }
 
 double effective_mass(const InstrumentModel& model, std::size_t place, std::size_t point, bool moves) {

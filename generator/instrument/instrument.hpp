@@ -72,6 +72,12 @@ struct ModelPreset {
   std::vector<double> values;  ///< one for each parameter
 };
 
+/// A group of connections, a friction.
+struct ModelBow {
+  std::size_t group;
+  BowLimits limits = {};
+};
+
 /// What keys play, and on how many copies of the instrument.
 struct ModelKeys {
   std::vector<KeyRange> ranges;  ///< by rising key; none: the instrument has no keys of its own
@@ -107,8 +113,10 @@ struct InstrumentModel {
   std::vector<ControlTargets> controls;
   std::vector<std::size_t> strikes;        ///< bodies, free masses
   std::vector<std::size_t> plucks;         ///< controls of forces
-  std::vector<ModelParameter> parameters;  ///< of controls, strikes, plucks; then sustain and bend, if keys have them
-  std::vector<ModelEvent> events;          ///< strikes, then plucks
+  std::vector<ModelBow> bows;
+  std::size_t assistance = kNoParameter;
+  std::vector<ModelParameter> parameters;  ///< as in InstrumentData
+  std::vector<ModelEvent> events;          ///< strikes, plucks, bows
   std::vector<ModelOutput> outputs;
   ModelKeys keys = {};
   std::vector<ModelPreset> presets = {};
@@ -154,6 +162,7 @@ struct InstrumentArrays {
   std::vector<double> pressure_taps;
   std::vector<HoldingForce> holds;
   std::vector<double> stretch_squares, stretch_stiffnesses;  ///< empty unless a body stretches
+  std::vector<InstrumentBow> bows;
   std::shared_ptr<const InstrumentModel> model;              ///< with the text of all names
 
   [[nodiscard]] InstrumentData view() const;

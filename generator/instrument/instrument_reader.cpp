@@ -19,7 +19,7 @@ namespace {
 // Members of the emitted C++ class and a parameter, which must not be called like it.
 constexpr const char* kMemberNames[] = {
     "tick",          "process",  "output",  "energy",    "work",           "dissipated",
-    "network",       "reset",    "strike",  "release",   "pluck",          "data",
+    "network",       "reset",    "strike",  "release",   "pluck",          "data",           "bow",
     "speed",         "value",    "set",     "prepare",   "name",           "events",
     "contact_force", "ground",   "samples", "is_silent", "format_version", "sample_rate_hz",
     "parameters",    "outputs",  "presets", "force",     "note_on",        "description",
@@ -27,7 +27,7 @@ constexpr const char* kMemberNames[] = {
 
 void read_names(InstrumentDraft& draft) {
   draft.model.name = read_name(draft.json, kMemberNames);
-  for (const char* prefix : {"set_", "strike_", "pluck_"})
+  for (const char* prefix : {"set_", "strike_", "pluck_", "bow_"})
     if (draft.model.name.starts_with(prefix))
       draft.json.fail("name", fmt::format("begins with {}", prefix),
                       "a name that no member of the emitted class has");
@@ -41,7 +41,7 @@ InstrumentModel parse_instrument(std::string_view text, std::string_view file, c
   const JsonObject json =
       parse_json(text, file, "instrument",
                  {"name", "description", "license", "bodies", "places", "contacts", "springs", "links", "frictions",
-                  "controls", "strikes", "outputs", "keys", "polyphony", "damper", "presets"});
+                  "controls", "strikes", "bows", "outputs", "keys", "polyphony", "damper", "presets"});
   InstrumentDraft draft(json);
   MovedMasses masses(draft);
   read_names(draft);

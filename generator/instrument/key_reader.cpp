@@ -20,7 +20,7 @@ class KeyReader {
   void read() {
     for (const char* key : {"polyphony", "damper"})
       if (draft_.json.has(key) && !draft_.json.has("keys")) draft_.json.fail(key, "has no place here", "beside keys");
-    for (const JsonObject& row : draft_.objects("keys", {"key", "first", "last", "event", "tuned_key"}))
+    for (const JsonObject& row : draft_.objects("keys", {"key", "first", "last", "event", "tuned_key", "string"}))
       read_key(row);
     if (model_.keys.ranges.empty()) return;
     std::ranges::sort(model_.keys.ranges, {}, &KeyRange::first);
@@ -49,6 +49,7 @@ class KeyReader {
     const std::string name = row.text("event", joined(names_of(model_.events)));
     range.event = index_of(row, row.key("event"), name, model_.events, "event");
     if (row.has("tuned_key")) read_tuned_key(row, range);
+    if (row.has("string")) read_string(row, range);
     for (const KeyRange& other : model_.keys.ranges)
       if (range.first <= other.last && other.first <= range.last)
         row.fail(row.key(key), fmt::format("key {} plays two events", std::max(range.first, other.first)),
@@ -68,6 +69,15 @@ class KeyReader {
         row.fail(row.key("tuned_key"),
                  fmt::format("key {} is {} semitones from {}", key, std::abs(key - range.tuned_key), range.tuned_key),
                  fmt::format("at most {} semitones, such as {}", kMaxSemitones, (range.first + range.last) / 2));
+  }
+
+  // The string that keys tune, in place of all.
+  void read_string(const JsonObject& row, KeyRange& range) const {
+    if (range.tuned_key < 0) row.fail(row.key("string"), "has no tuned_key", "beside tuned_key");
+    const std::string name = row.text("string", joined(names_of(model_.bodies)));
+    range.string = index_of(row, row.key("string"), name, model_.bodies, "body");
+    if (!std::holds_alternative<StiffString>(model_.bodies[range.string].resonator.body))
+      row.fail(row.key("string"), fmt::format("'{}' is not a string", name), "a body that is a string");
   }
 
   void read_damper(const JsonObject& damper) {

@@ -183,7 +183,8 @@ void read_event(const JsonObject& event, const InstrumentModel& model, const Mid
   const auto concerned = voices_of(event, voices);
   bool moves = false, strikes = false;
   for (std::size_t i = 0; i < model.parameters.size(); ++i)
-    if (std::ranges::find(model.events, i, &ModelEvent::parameter) == model.events.end())
+    if (const auto played = std::ranges::find(model.events, i, &ModelEvent::parameter);
+        played == model.events.end() || played->kind == EventKind::kBow)
       moves |= read_control(event, model, i, time, concerned);
   const bool plays = read_note(event, model, tuning, time, concerned);
   for (const ModelEvent& played : model.events) {

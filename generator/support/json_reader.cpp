@@ -194,6 +194,10 @@ bool JsonObject::has_object(const char* name) const {
   return has(name) && value_->json.at(name).is_object();
 }
 
+bool JsonObject::has_text(const char* name) const {
+  return has(name) && value_->json.at(name).is_string();
+}
+
 std::string JsonObject::json(const char* name) const {
   return value_at(*this, value_->json, name, "any value").dump();
 }

@@ -37,6 +37,7 @@ class JsonObject {
  public:
   [[nodiscard]] bool has(const char* name) const;
   [[nodiscard]] bool has_object(const char* name) const;  ///< is there such a key, with an object?
+  [[nodiscard]] bool has_text(const char* name) const;    ///< the same, with text
   [[nodiscard]] JsonObject object(const char* name, const std::vector<std::string>& allowed) const;
   [[nodiscard]] std::string json(const char* name) const;  ///< the value's text
   [[nodiscard]] std::vector<JsonObject> objects(const char* name, const std::vector<std::string>& allowed,

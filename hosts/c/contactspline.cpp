@@ -72,8 +72,7 @@ std::vector<contactspline_output> listed(std::span<const Output> outputs) {
 std::vector<contactspline_event> listed(std::span<const Event> events) {
   std::vector<contactspline_event> list;
   for (const Event& e : events)
-    list.push_back(
-        {e.name, e.kind == EventKind::kStrike ? CONTACTSPLINE_STRIKE : CONTACTSPLINE_PLUCK, e.number, e.parameter});
+    list.push_back({e.name, static_cast<int>(action_of(e.kind)), e.number, e.parameter});
   return list;
 }
 
@@ -107,6 +106,8 @@ struct contactspline_instrument {
         return has(CONTACTSPLINE_STRIKE, event.number);
       case CONTACTSPLINE_PLUCK:
         return has(CONTACTSPLINE_PLUCK, event.number) && is_number(event.rise_s);
+      case CONTACTSPLINE_BOW:
+        return has(CONTACTSPLINE_BOW, event.number);
       case CONTACTSPLINE_SET:
         return event.number < parameters.size();
       default:

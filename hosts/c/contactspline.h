@@ -46,7 +46,8 @@ enum contactspline_action {
   CONTACTSPLINE_BEND_KEY = 6, /**< number: key of MIDI; value: cents above its own pitch. This and the next two: of
                                    instruments with a voice for each key */
   CONTACTSPLINE_DAMP_KEY = 7, /**< number: key of MIDI; value: damping beside the damper's [1/s] */
-  CONTACTSPLINE_PLACE_KEY = 8 /**< number: key of MIDI; value: place of its hammer from the next strike on [m] */
+  CONTACTSPLINE_PLACE_KEY = 8, /**< number: key of MIDI; value: place of its hammer from the next strike on [m] */
+  CONTACTSPLINE_BOW = 9 /**< number: of a bow; value: its acceleration [m/s^2]; 0 lifts it */
 };
 
 /** What happens, and when. */
@@ -61,9 +62,9 @@ typedef struct contactspline_timed_event {
 /** What an instrument is played by, beside keys. */
 typedef struct contactspline_event {
   const char* name; /**< lower-case identifier: strike_hammer */
-  int action;       /**< CONTACTSPLINE_STRIKE or CONTACTSPLINE_PLUCK */
+  int action;       /**< CONTACTSPLINE_STRIKE, CONTACTSPLINE_PLUCK or CONTACTSPLINE_BOW */
   size_t number;    /**< among the events of its action */
-  size_t parameter; /**< index of the parameter that holds its usual speed or force */
+  size_t parameter; /**< index of the parameter that holds its usual value */
 } contactspline_event;
 
 /** Version of the library: "0.2.0". */

@@ -122,7 +122,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     parameter.symbol = c.name;
     parameter.unit = label.unit.c_str();
     parameter.ranges = {shown(index, c.initial), shown(index, c.slider.min), shown(index, c.slider.max)};
-    parameter.midiCC = c.controller;
+    parameter.midiCC = c.controller < kPressureController ? c.controller : 0;
   }
 
   WindowTable window_table() const override {

@@ -307,7 +307,7 @@ py::list events_of(const Source& source) {
   py::list rows;
   for (const Event& e : source.shown().events())
     rows.append(
-        py::dict(py::arg("name") = e.name, py::arg("kind") = e.kind == EventKind::kStrike ? "strike" : "pluck",
+        py::dict(py::arg("name") = e.name, py::arg("kind") = event_kind(e.kind).verb,
                  py::arg("number") = e.number, py::arg("parameter") = source.shown().parameters()[e.parameter].name));
   return rows;
 }
@@ -540,10 +540,15 @@ PYBIND11_MODULE(_core, m) {
   m.attr("oversamplings") =
       py::tuple(py::cast(std::vector<int>(std::begin(kOversamplings), std::end(kOversamplings))));
   m.attr("sample_rates_hz") = py::make_tuple(kSampleRates_hz.min, kSampleRates_hz.max);
-  // Names of Action, in its order.
   py::dict actions;
-  for (const char* const name : {"strike", "release", "pluck", "note_on", "note_off", "set"})
-    actions[name] = py::len(actions);
+  for (const auto& [name, action] : {std::pair("strike", Action::kStrike),
+                                     {"release", Action::kRelease},
+                                     {"pluck", Action::kPluck},
+                                     {"note_on", Action::kNoteOn},
+                                     {"note_off", Action::kNoteOff},
+                                     {"set", Action::kSet},
+                                     {"bow", Action::kBow}})
+    actions[name] = static_cast<int>(action);
   m.attr("actions") = actions;
   py::dict shipped;
   for (const Shipped folder :

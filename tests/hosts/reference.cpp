@@ -42,8 +42,7 @@ void process(AnyInstrument<T>& instrument, std::size_t samples) {
 
 template <typename T>
 void play(AnyInstrument<T>& instrument, const Event& event, double value) {
-  event.kind == EventKind::kStrike ? instrument.strike(event.number, static_cast<T>(value))
-                                   : instrument.pluck(event.number, static_cast<T>(value), kPluckRise_s);
+  instrument.play({0, action_of(event.kind), event.number, value, kPluckRise_s});
 }
 
 template <typename T>

@@ -95,7 +95,7 @@ TYPED_TEST(EveryInstrument, HasListsThatFitEachOther) {
       EXPECT_TRUE(is_identifier(e.name)) << e.name;
       ASSERT_LT(e.parameter, instrument.parameters().size()) << e.name;
       const Parameter& strength = instrument.parameters()[e.parameter];
-      EXPECT_EQ(std::string(strength.unit), e.kind == EventKind::kStrike ? "m/s" : "N") << e.name;
+      EXPECT_EQ(std::string(strength.unit), unit_of(event_kind(e.kind).value)) << e.name;
       EXPECT_LE(strength.slider.max - strength.slider.min, 200) << e.name;  // that a hand can play
     }
     EXPECT_FALSE(instrument.outputs().empty());

@@ -10,12 +10,12 @@ from ._core import Error, __version__
 from .dataset import dataset
 from .fitting import Fit, fit
 from .gradients import StruckString
-from .instrument import Instrument, Sound, change, note, pluck, release, render_many, strike
+from .instrument import Instrument, Sound, bow, change, note, pluck, release, render_many, strike
 from .material import Impact, Material, design_many
 from .resonator import Keyboard, Resonator
 from .score import play_score, read_tuning, shipped
 
-__all__ = ["Error", "Fit", "Impact", "Instrument", "Keyboard", "Material", "Resonator", "Sound", "StruckString", "change", "dataset",
-           "design_many", "fit", "note", "play_score", "pluck", "read_tuning", "release", "render_many", "shipped", "strike"]
+__all__ = ["Error", "Fit", "Impact", "Instrument", "Keyboard", "Material", "Resonator", "Sound", "StruckString", "bow", "change",
+           "dataset", "design_many", "fit", "note", "play_score", "pluck", "read_tuning", "release", "render_many", "shipped", "strike"]
 
 Error.__module__ = __name__

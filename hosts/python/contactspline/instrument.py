@@ -18,15 +18,16 @@ from . import _core
 from .figures import axes_or_new, figure_html, table_html
 from .source import check_rate, json_of, source_of, threads_of, watch_of, write_whole
 
-_STRIKE, _RELEASE, _PLUCK, _NOTE_ON, _NOTE_OFF, _SET = (
-    _core.actions[name] for name in ("strike", "release", "pluck", "note_on", "note_off", "set"))
+_STRIKE, _RELEASE, _PLUCK, _NOTE_ON, _NOTE_OFF, _SET, _BOW = (
+    _core.actions[name] for name in ("strike", "release", "pluck", "note_on", "note_off", "set", "bow"))
+_PLAYED = {_STRIKE: "strike", _RELEASE: "strike", _PLUCK: "pluck", _BOW: "bow"}  # kinds of an instrument's events
 
 
 _FORCE = "force_n"  # the sum of the contact forces, beside the outputs that an instrument lists
 
 
 class Event(NamedTuple):
-    """What happens at a time: strike, release, pluck, note and change make it."""
+    """What happens at a time: strike, release, pluck, bow, note and change make it."""
 
     time_s: float
     action: int
@@ -55,6 +56,14 @@ def pluck(time_s: float, force_n: float | None = None, event: int | str = 0, ris
     force_n None: the value that the parameter of the event has then.
     """
     return Event(time_s, _PLUCK, event, force_n, rise_s, math.inf)
+
+
+def bow(time_s: float, acceleration_m_per_s2: float | None = None, event: int | str = 0, hold_s: float = math.inf) -> Event:
+    """A stroke of a bow at a time, which is lifted after hold_s.
+
+    acceleration_m_per_s2 None: the value that the parameter of the event has then.
+    """
+    return Event(time_s, _BOW, event, acceleration_m_per_s2, 0, hold_s)
 
 
 def note(time_s: float, key: int, velocity: float = 1.0, hold_s: float = math.inf) -> Event:
@@ -260,10 +269,10 @@ class Instrument:
 
     def _refuse_unheard(self, events, parameters):
         """Refuses a parameter whose value nobody hears, as each blow or pluck has a value of its own."""
-        blows = [(self._event_of(event)["parameter"], event.value) for event in events if event.action in (_STRIKE, _PLUCK)]
+        blows = [(self._event_of(event)["parameter"], event.value) for event in events if event.action in (_STRIKE, _PLUCK, _BOW)]
         for name in parameters:
             values = [value for parameter, value in blows if parameter == name]
-            if values and None not in values and all(event.action in (_STRIKE, _PLUCK, _RELEASE) for event in events):
+            if values and None not in values and all(event.action in _PLAYED for event in events):
                 raise _core.Error(f"{self.name}: {name}: changes nothing, as each event has a value of its own; allowed: "
                                  "events without one, such as strike(0) or pluck(0)")
 
@@ -284,7 +293,7 @@ class Instrument:
         number = self._event_number(event)
         value = math.nan if event.value is None else float(event.value)  # NaN: the parameter's
         rows = [(float(round(event.time_s * rate)), event.action, number, value, float(event.rise_s))]
-        ends = {_STRIKE: _RELEASE, _NOTE_ON: _NOTE_OFF}.get(event.action)
+        ends = {_STRIKE: _RELEASE, _NOTE_ON: _NOTE_OFF, _BOW: _BOW}.get(event.action)
         if ends is not None and math.isfinite(event.hold_s):
             rows.append((float(round(min(event.time_s + event.hold_s, 7200) * rate)), ends, number, 0.0, 0.0))
         return rows
@@ -307,15 +316,15 @@ class Instrument:
         return row["number"]
 
     def _event_of(self, event):
-        """The row of a blow or pluck."""
-        kind = "pluck" if event.action == _PLUCK else "strike"
+        """The row of a blow, a pluck or a bow."""
+        kind = _PLAYED[event.action]
         names = [name for name, row in self.events.items() if row["kind"] == kind]
         name = names[event.number] if isinstance(event.number, int) and 0 <= event.number < len(names) else event.number
         if name not in names:
             others = [name for name, row in self.events.items() if row["kind"] != kind]
             raise _core.Error(f"{self.name}: {kind}: {event.number!r} is unknown; allowed: {', '.join(names)}" if names else
                               f"{self.name}: {kind}: it has none; allowed: "
-                              + (f"{'strike' if kind == 'pluck' else 'pluck'}, for {', '.join(others)}" if others else "note"))
+                              + (f"{self.events[others[0]]['kind']}, for {', '.join(others)}" if others else "note"))
         return self.events[name]
 
     def __repr__(self) -> str:

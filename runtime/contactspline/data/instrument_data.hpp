@@ -15,6 +15,7 @@
 #include "contactspline/data/mode.hpp"
 #include "contactspline/data/parameter.hpp"
 #include "contactspline/data/stretch_form.hpp"
+#include "contactspline/data/stroke.hpp"
 #include "contactspline/step/controls.hpp"
 #include "contactspline/step/memory.hpp"
 
@@ -131,12 +132,22 @@ struct PressurePath {
   std::size_t output, place, taps;
 };
 
-/// Keys of MIDI from `first` to `last` that play an event. tuned_key: the key at which the strings have the pitch of
-/// the file; the others tune them, a semitone for each key. -1: the keys tune nothing.
+/// Stands for all strings of an instrument.
+inline constexpr std::size_t kAllStrings = (std::numeric_limits<std::size_t>::max)();
+
+/// Keys of MIDI from `first` to `last` that play an event. tuned_key: the key at which a string, a body, or all
+/// strings have the pitch of the file; the others tune them, a semitone for each key. -1: the keys tune nothing.
 struct KeyRange {
   int first, last;
   std::size_t event;
   int tuned_key = -1;
+  std::size_t string = kAllStrings;
+};
+
+/// Connections from `first` on that are one bow: it is up until it is played. The limits are of the sum of its points.
+struct InstrumentBow {
+  std::size_t first, count;
+  BowLimits limits = {};
 };
 
 /// Stands for a parameter that an instrument lacks.
@@ -159,13 +170,14 @@ struct KeyedData {
 /// of the bodies 0 to b. place_bodies: the body of each place. shapes: one place after the other; a place has one
 /// shape for each mode of its body. table_ends[t]: number of segments of the tables 0 to t. strikes: for each strike
 /// the body that it throws, a free mass. plucks: for each pluck the control of its force. parameters: one for each
-/// control, then the speed of each strike, then the force of each pluck, then sustain and bend where keys have them.
+/// control, then the speed of each strike, then the force of each pluck, then the acceleration of all bows and their
+/// assistance, then sustain and bend where keys have them.
 /// preset_values: for each preset a value for each parameter. wavenumbers: of the modes, 0 where the body is no
 /// string [rad/m]; empty where no place moves. memory_ends[t]: number of memories of the tables 0 to t; empty if no
 /// contact has a memory. pressure_rate_hz: sample rate of pressure_taps. holds: empty where nothing is loaded at
 /// rest, with the gaps as they are there. stretch_squares: of the modes [1/m^2]; empty where no body stretches.
 /// stretch_stiffnesses: of the bodies [J], 0 where one does not stretch (StretchForm); they stretch from where they
-/// rest. license: SPDX identifier.
+/// rest. assistance: the parameter of the bows whose limits are known. license: SPDX identifier.
 struct InstrumentData {
   const char *name, *description, *license;
   std::span<const double> angular_frequencies, decays, masses;
@@ -193,6 +205,8 @@ struct InstrumentData {
   std::span<const double> pressure_taps = {};
   std::span<const HoldingForce> holds = {};
   std::span<const double> stretch_squares = {}, stretch_stiffnesses = {};
+  std::span<const InstrumentBow> bows = {};
+  std::size_t assistance = kNoParameter;
 
   [[nodiscard]] std::size_t modes_of(std::size_t body) const {
     return body_ends[body] - (body == 0 ? 0 : body_ends[body - 1]);

@@ -19,6 +19,9 @@ enum class Scale : unsigned char { kLinear, kLogarithmic };
 /// When a new value acts.
 enum class Acts : unsigned char { kAtOnce, kAtNextNote };
 
+/// Stands for the pressure on keys, of a key or a channel of MIDI, which is no controller.
+inline constexpr unsigned char kPressureController = 128;
+
 /// What can be set while an instrument plays. Text: const char*, or std::string where a file gives the name.
 template <typename Text>
 struct BasicParameter {
@@ -30,20 +33,36 @@ struct BasicParameter {
   Scale scale = Scale::kLinear;
   Acts acts = Acts::kAtOnce;
   double glide_s = 0;            ///< time constant with which it follows a host; 0: it jumps
-  unsigned char controller = 0;  ///< of MIDI; 0: none
+  unsigned char controller = 0;  ///< of MIDI, or kPressureController; 0: none
   std::size_t step_samples = 1;  ///< while it moves, a new value is of use after so many samples
 };
 using Parameter = BasicParameter<const char*>;
 
-enum class EventKind : unsigned char { kStrike, kPluck };
+enum class EventKind : unsigned char { kStrike, kPluck, kBow };
 
-/// What an instrument is played by: Instrument::strike(number, speed) or pluck(number, force).
+/// A kind of events: the name of its enumerator, the verb of its function in Instrument, and what its value is.
+struct EventKindRow {
+  EventKind kind;
+  const char *name, *verb, *value;
+};
+
+/// All kinds, in the order of EventKind.
+inline constexpr EventKindRow kEventKinds[] = {{EventKind::kStrike, "kStrike", "strike", "speed_m_per_s"},
+                                               {EventKind::kPluck, "kPluck", "pluck", "force_n"},
+                                               {EventKind::kBow, "kBow", "bow", "acceleration_m_per_s2"}};
+
+[[nodiscard]] constexpr const EventKindRow& event_kind(EventKind kind) {
+  return kEventKinds[static_cast<std::size_t>(kind)];
+}
+
+/// What an instrument is played by: Instrument::strike(number, speed), pluck(number, force) or
+/// bow(number, acceleration).
 template <typename Text>
 struct BasicEvent {
   Text name;  ///< lower-case identifier: strike_hammer
   EventKind kind;
   std::size_t number;     ///< among the events of its kind
-  std::size_t parameter;  ///< holds speed or force; notes multiply it by their velocity
+  std::size_t parameter;  ///< holds the value; notes multiply it by their velocity
 };
 using Event = BasicEvent<const char*>;
 

@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <limits>
 
+#include "contactspline/data/parameter.hpp"
+
 namespace contactspline {
 
 /// What an event does. Bindings for other languages know these numbers.
@@ -19,13 +21,20 @@ enum class Action : int {
   kSet = 5,      ///< number: of a parameter; value: in its unit
   kBendKey = 6,  ///< number: key of MIDI; value: cents above its own pitch
   kDampKey = 7,  ///< number: key of MIDI; value: damping beside the damper's [1/s]
-  kPlaceKey = 8  ///< number: key of MIDI; value: place of its hammer from the next strike on [m]
+  kPlaceKey = 8,  ///< number: key of MIDI; value: place of its hammer from the next strike on [m]
+  kBow = 9  ///< number: of a bow; value: its acceleration [m/s^2]; 0 lifts it
 };
+
+/// What plays an event of a kind.
+[[nodiscard]] constexpr Action action_of(EventKind kind) {
+  constexpr Action kActions[] = {Action::kStrike, Action::kPluck, Action::kBow};
+  return kActions[static_cast<std::size_t>(kind)];
+}
 
 /// An event of a performance. Numbers that an instrument lacks do nothing, nor do actions on single keys where it has
 /// no voice for each key.
 struct TimedEvent {
-  /// As the value of a strike or a pluck: the one that its parameter has at that time.
+  /// As the value of a strike, a pluck or a bow: the one that its parameter has at that time.
   static constexpr double kOfParameter = std::numeric_limits<double>::quiet_NaN();
 
   std::size_t sample;  ///< from the beginning of the performance, or of the block that it is given with

@@ -108,6 +108,10 @@ class InstrumentBehind final : public AnyInstrument<typename I::value_type> {
         return instrument_.release(event.number);
       case Action::kPluck:
         return instrument_.pluck(event.number, value_of(event, EventKind::kPluck), event.rise_s);
+      case Action::kBow:
+        if constexpr (requires { instrument_.bow(event.number, T(1)); })
+          instrument_.bow(event.number, value_of(event, EventKind::kBow));
+        return;
       case Action::kNoteOn:
         return instrument_.note_on(key, event.value);
       case Action::kNoteOff:
@@ -173,7 +177,7 @@ class InstrumentBehind final : public AnyInstrument<typename I::value_type> {
       instrument_.note_off(key);
   }
 
-  // The speed or force of an event; where it says so, that of its parameter.
+  // The value of an event; where it says so, that of its parameter.
   [[nodiscard]] T value_of(const TimedEvent& played, EventKind kind) const {
     if (!is_number(played.value))
       for (const Event& event : instrument_.events())

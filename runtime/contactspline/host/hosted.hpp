@@ -74,14 +74,15 @@ class Hosted {
   }
   [[nodiscard]] double target(std::size_t parameter) const { return targets_[parameter]; }
 
-  /// Moves the button of an event: when it goes down, the event is played. Without a key the damper stays up.
+  /// Moves the button of an event: when it goes down, the event is played, when it goes up, a bow is lifted. Without a
+  /// key the damper stays up.
   void press(std::size_t event, bool is_down) {
     if (event >= buttons_.size() || buttons_[event] == is_down) return;
     buttons_[event] = is_down;
     const Event& played = instrument().events()[event];
-    if (!is_down) return;
-    const Action action = played.kind == EventKind::kStrike ? Action::kStrike : Action::kPluck;
-    sleeper_.play({0, action, played.number, targets_[played.parameter], kPluckRise_s});
+    if (!is_down && played.kind != EventKind::kBow) return;
+    const double value = is_down ? targets_[played.parameter] : 0;
+    sleeper_.play({0, action_of(played.kind), played.number, value, kPluckRise_s});
   }
 
   /// Takes bytes of MIDI, whole messages or pieces of a stream; damaged and unknown messages do nothing. What each
@@ -151,6 +152,7 @@ class Hosted {
       case Kind::kReset:
         return reset();
       case Kind::kPressure:
+        return move(kPressureController, event.value);
       case Kind::kProgram:
         return;
     }

@@ -81,10 +81,11 @@ struct InstrumentParts {
     return {ratios[k], static_cast<T>(connections[k].loss_s_per_m)};
   }
 
-  /// Does a surface that is pressed move by itself?
-  [[nodiscard]] bool is_bowed() const {
-    return std::ranges::any_of(connections, [](const InstrumentConnection& c) {
-      return c.friction.normal_force_n != 0 && c.friction.surface_speed_m_per_s != 0;
+  /// Does the surface of one of these frictions move by itself, pressed?
+  [[nodiscard]] bool is_rubbed(const std::vector<std::size_t>& frictions) const {
+    return std::ranges::any_of(frictions, [&](std::size_t k) {
+      const InstrumentFriction& friction = connections[k].friction;
+      return friction.normal_force_n != 0 && friction.surface_speed_m_per_s != 0;
     });
   }
 

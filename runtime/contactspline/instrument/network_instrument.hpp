@@ -16,6 +16,7 @@
 
 #include "contactspline/data/instrument_data.hpp"
 #include "contactspline/data/pluck.hpp"
+#include "contactspline/data/stroke.hpp"
 #include "contactspline/instrument/instrument.hpp"
 #include "contactspline/instrument/instrument_parts.hpp"
 #include "contactspline/instrument/network_pickups.hpp"
@@ -38,7 +39,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
   using value_type = T;
 
   explicit NetworkInstrument(const InstrumentData& data)
-      : data_(data), parts_(data), strikes_(data), plucks_(data.plucks.size()) {
+      : data_(data), parts_(data), strikes_(data), plucks_(data.plucks.size()), strokes_(data.bows.size()) {
     for (const Parameter& parameter : data.parameters) values_.push_back(parameter.initial);
     for (std::size_t c = 0; c < data.controls.size(); ++c) {
       values_[c] = data.first_value(c);
@@ -49,7 +50,10 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
       presets_.push_back({data.preset_names[i], {values.begin(), values.end()}});
     }
     if (!data.keyed.tension_squares.empty()) tuning_ = {data.modes(), data.keyed.tension_squares, data.body_ends};
+    key_cents_.resize(data.body_ends.size());
     is_waiting_.resize(data.controls.size());
+    for (std::size_t k = 0; k < data.connections.size(); ++k)
+      if (data.connections[k].kind == ConnectionKind::kFriction && !is_of_bow(k)) rubbing_.push_back(k);
   }
   NetworkInstrument(const InstrumentData& data, double sample_rate_hz) : NetworkInstrument(data) {
     prepare(sample_rate_hz);
@@ -71,8 +75,8 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     sample_rate_hz_ = sample_rate_hz;
     const NetworkPlan<T> plan = parts_.plan(data_);
     network_.emplace(plan, sample_rate_hz);
-    for (std::size_t k = 0; k < data_.connections.size(); ++k)
-      if (data_.connections[k].kind == ConnectionKind::kFriction) rub(k);
+    for (const std::size_t k : rubbing_) rub(k);
+    for (Stroke& stroke : strokes_) stroke.prepare(sample_rate_hz);
     strikes_.prepare(plan);
     std::ranges::fill(is_waiting_, 0);
     damper_.emplace(data_.keyed.damped, data_.keyed.damper_per_s, data_.body_ends.size(), sample_rate_hz);
@@ -94,7 +98,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     if (next == values_[parameter]) return;
     values_[parameter] = next;
     if (in_double_) in_double_->set(parameter, next);
-    if (parameter == data_.keyed.bend) tune(key_cents_);
+    if (parameter == data_.keyed.bend) tuning_.shift(next);
     if (parameter == data_.keyed.sustain && next < 0.5 && damper_) damper_->end_sustain();
     if (parameter >= data_.controls.size()) return;
     const InstrumentControl& control = data_.controls[parameter];
@@ -132,11 +136,25 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     damper_->lift();
   }
 
-  /// Tunes all strings by a change of tension, beside the bend. One that rises under load does at most 1 W of work.
-  void tune(double cents) {
-    if (in_double_) in_double_->tune(cents);
-    key_cents_ = cents;
-    tuning_.tune(cents + (data_.keyed.bend == kNoParameter ? 0 : values_[data_.keyed.bend]));
+  /// Begins a stroke of a bow, 0 to the number of bows - 1, with an acceleration [m/s^2]: its friction is pressed by
+  /// its normal force, and its surface comes up to its speed, in the other direction than the stroke before. While
+  /// the bow is down the stroke goes on. 0 or less lifts the bow; one that is not a number does nothing.
+  void bow(std::size_t bow, T acceleration_m_per_s2) {
+    if (in_double_) return in_double_->bow(bow, double(acceleration_m_per_s2));
+    if (bow >= strokes_.size() || !is_number(acceleration_m_per_s2)) return;
+    if (!(acceleration_m_per_s2 > 0)) return strokes_[bow].lift();
+    apply_waiting({});
+    strokes_[bow].begin(double(acceleration_m_per_s2));
+    damper_->lift();
+  }
+
+  /// Tunes a string, which is a body, or all strings by a change of tension, beside the bend. One that rises under
+  /// load does at most 1 W of work.
+  void tune(double cents, std::size_t string = kAllStrings) {
+    if (in_double_) in_double_->tune(cents, string);
+    for (std::size_t b = 0; b < key_cents_.size(); ++b)
+      if (string == kAllStrings || string == b) key_cents_[b] = cents;
+    tuning_.tune(cents, string);
   }
 
   /// Advances one sample. Safe on an audio thread: no allocation, no lock, bounded time.
@@ -149,6 +167,8 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     work_of_strikes_ = 0;
     for (const auto& [place, force_n] : data_.holds) network_->hold(place, static_cast<T>(force_n));
     for (const std::size_t control : pushing_) push(control);
+    for (std::size_t b = 0; b < strokes_.size(); ++b)
+      if (strokes_[b].is_active()) stroke(b);
     network_->tick();
     pickups_.follow(*network_);
   }
@@ -196,6 +216,10 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     tuning_.rest();
     strikes_.reset();
     for (Pluck& pluck : plucks_) pluck.stop();
+    for (std::size_t b = 0; b < strokes_.size(); ++b) {
+      strokes_[b].stop();
+      move_bow(b, {0, 0});
+    }
     this->let_keys_go();
     damper_->lift();
     work_of_strikes_ = last_work_of_strikes_ = 0;
@@ -204,14 +228,14 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
   [[nodiscard]] bool is_silent(double limit_j) const {
     if (in_double_) return in_double_->is_silent(limit_j);
     if (std::ranges::any_of(pushing_, [&](std::size_t control) { return pushes(control); })) return false;
-    return !parts_.is_bowed() && have_controls_arrived() && energy() - strikes_.leaving_energy(*network_) < limit_j;
+    return !is_bowed() && have_controls_arrived() && energy() - strikes_.leaving_energy(*network_) < limit_j;
   }
   /// Does no pluck or bow push, and do loads hold all still, but for a kinetic energy below a limit [J], without such
   /// masses?
   [[nodiscard]] bool is_at_rest(double limit_j) const {
     if (in_double_) return in_double_->is_at_rest(limit_j);
     const double leaving_j = strikes_.leaving_energy(*network_), kinetic_j = network_->kinetic_energy() - leaving_j;
-    return !parts_.is_bowed() && have_controls_arrived() && tuning_.has_arrived() && kinetic_j < limit_j &&
+    return !is_bowed() && have_controls_arrived() && tuning_.has_arrived() && kinetic_j < limit_j &&
            is_held_by_loads(kinetic_j, energy() - leaving_j);
   }
 
@@ -237,7 +261,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     if (!parts_.needs_double(data_, *network_, sample_rate_hz)) return;
     in_double_ = std::make_unique<NetworkInstrument<double>>(data_);
     for (std::size_t p = 0; p < values_.size(); ++p) in_double_->set(p, values_[p]);
-    in_double_->tune(key_cents_);
+    for (std::size_t b = 0; b < key_cents_.size(); ++b) in_double_->tune(key_cents_[b], b);
     in_double_->prepare(sample_rate_hz);
   }
 
@@ -272,7 +296,34 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
       network_->push(place, static_cast<T>(force_n));
   }
 
-  // Presses and moves the surfaces of a friction.
+  [[nodiscard]] bool is_of_bow(std::size_t k) const {
+    return std::ranges::any_of(data_.bows,
+                               [k](const InstrumentBow& bow) { return bow.first <= k && k < bow.first + bow.count; });
+  }
+  // Is a bow on its string, or does another surface move that is pressed?
+  [[nodiscard]] bool is_bowed() const {
+    return std::ranges::any_of(strokes_, &Stroke::is_active) || parts_.is_rubbed(rubbing_);
+  }
+
+  // Moves a bow that is down or on its way up.
+  void stroke(std::size_t b) {
+    const InstrumentBow& bow = data_.bows[b];
+    const InstrumentFriction& friction = parts_.connections[bow.first].friction;
+    const double assistance = data_.assistance == kNoParameter ? 0 : values_[data_.assistance];
+    const auto points = static_cast<double>(bow.count);
+    auto motion = strokes_[b].next(points * friction.normal_force_n, friction.surface_speed_m_per_s, bow.limits,
+                                   assistance);
+    motion.force_n /= points;
+    move_bow(b, motion);
+  }
+  void move_bow(std::size_t b, const Stroke::Motion& motion) {
+    for (std::size_t k = data_.bows[b].first; k < data_.bows[b].first + data_.bows[b].count; ++k) {
+      network_->set_normal_force(k, static_cast<T>(motion.force_n));
+      network_->set_surface_speed(k, static_cast<T>(motion.speed_m_per_s));
+    }
+  }
+
+  // Presses and moves the surfaces of a friction that is no bow.
   void rub(std::size_t k) {
     const InstrumentFriction& friction = parts_.connections[k].friction;
     network_->set_normal_force(k, static_cast<T>(friction.normal_force_n));
@@ -336,7 +387,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
         }
         case ControlQuantity::kNormalForce:
         case ControlQuantity::kSurfaceSpeed:
-          rub(k);
+          if (!is_of_bow(k)) rub(k);
           break;
       }
     }
@@ -351,10 +402,12 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
   std::vector<double> values_;        // of the parameters
   std::vector<std::size_t> pushing_;  // controls of forces
   std::vector<Pluck> plucks_;
+  std::vector<Stroke> strokes_;       // of the bows
+  std::vector<std::size_t> rubbing_;  // frictions that are no bows
   std::vector<Preset> presets_;
+  std::vector<double> key_cents_;  // of the bodies
   detail::NetworkTuning<T> tuning_;
   std::optional<detail::NetworkDamper<T>> damper_;
-  double key_cents_ = 0;          // of the key that is played
   std::vector<char> is_waiting_;  // of the controls: for the next note
   double work_of_strikes_ = 0, last_work_of_strikes_ = 0;
   std::unique_ptr<NetworkInstrument<double>> in_double_;

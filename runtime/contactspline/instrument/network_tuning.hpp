@@ -4,6 +4,7 @@
 
 #include "contactspline/step/cpp20.hpp"
 
+#include <algorithm>
 #include <concepts>
 #include <cstddef>
 #include <limits>
@@ -12,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "contactspline/data/instrument_data.hpp"
 #include "contactspline/data/stiff_string.hpp"
 #include "contactspline/modal/bend.hpp"
 #include "contactspline/modal/modal.hpp"
@@ -20,40 +22,62 @@
 
 namespace contactspline::detail {
 
-/// The tuning of all strings of a network by one change of tension, which follows its control like any bend.
+/// The tuning of the strings of a network, each by a change of its tension that follows its control like any bend.
 template <std::floating_point T>
 class NetworkTuning {
  public:
   NetworkTuning() = default;
   /// One Mode and one square for each mode of the network, body after body.
   NetworkTuning(std::vector<Mode> modes, std::span<const double> squares, std::span<const std::size_t> body_ends)
-      : modes_(std::move(modes)), tuned_(modes_), squares_(squares), body_ends_(body_ends) {}
-
-  [[nodiscard]] bool is_tunable() const { return !squares_.empty(); }
-  void tune(double cents) {
-    if (std::exchange(target_, cents) != cents) wait_ = 0;
+      : modes_(std::move(modes)), tuned_(modes_), squares_(squares) {
+    for (std::size_t b = 0, begin = 0; b < body_ends.size(); begin = body_ends[b++])
+      if (is_tuned(begin, body_ends[b])) strings_.push_back({b, begin, body_ends[b]});
   }
-  [[nodiscard]] bool has_arrived() const { return !is_tunable() || target_ == bend_.cents(); }
+
+  [[nodiscard]] bool is_tunable() const { return !strings_.empty(); }
+  /// string: a body, or kAllStrings.
+  void tune(double cents, std::size_t string) {
+    for (String& tuned : strings_)
+      if ((string == kAllStrings || string == tuned.body) && std::exchange(tuned.target, cents) != cents)
+        tuned.wait = 0;
+  }
+  [[nodiscard]] bool has_arrived() const {
+    return std::ranges::all_of(strings_, [&](const String& s) { return s.target + shift_ == s.bend.cents(); });
+  }
+  /// Shifts all strings, beside tune().
+  void shift(double cents) {
+    if (std::exchange(shift_, cents) != cents) rest();
+  }
   /// The network is at rest: a change that is under way need not wait.
-  void rest() { wait_ = 0; }
+  void rest() {
+    for (String& string : strings_) string.wait = 0;
+  }
   /// The network is new: its strings have the pitch of the file.
   void restart() {
-    bend_ = {};
-    sample_ = wait_ = 0;
+    sample_ = 0;
+    for (String& string : strings_) string.bend = {};
+    rest();
     tuned_ = modes_;
   }
 
   /// Called before each sample. If frequencies change: the work of that [J].
   std::optional<double> follow(ContactNetwork<T>& network, double sample_rate_hz) {
     ++sample_;
-    if (target_ == bend_.cents()) return {};
-    if (wait_ > 0) return --wait_, std::nullopt;
-    wait_ = kStep - 1;
-    const double before = network.energy(), now_s = static_cast<double>(sample_) / sample_rate_hz;
-    if (!bend_.follow(target_, energy(network), now_s)) return {};
-    for (std::size_t b = 0, begin = 0; b < body_ends_.size(); begin = body_ends_[b++])
-      if (is_tuned(begin, body_ends_[b])) retune(network, b, begin);
-    return network.energy() - before;
+    std::optional<double> work;
+    for (String& string : strings_) {
+      const double target = string.target + shift_;
+      if (target == string.bend.cents()) continue;
+      if (string.wait > 0) {
+        --string.wait;
+        continue;
+      }
+      string.wait = kStep - 1;
+      const double before = network.energy(), now_s = static_cast<double>(sample_) / sample_rate_hz;
+      if (!string.bend.follow(target, energy(network, string), now_s)) continue;
+      retune(network, string);
+      work = work.value_or(0) + network.energy() - before;
+    }
+    return work;
   }
 
   /// By how much a mode is stiffer than in the file.
@@ -64,36 +88,39 @@ class NetworkTuning {
  private:
   static constexpr std::size_t kStep = 16;  // samples
 
+  struct String {
+    std::size_t body, begin, end;  // modes
+    Bend bend = {};
+    double target = 0;
+    std::size_t wait = 0;  // samples until its tension changes again
+  };
+
   [[nodiscard]] bool is_tuned(std::size_t begin, std::size_t end) const {
-    for (std::size_t i = begin; i < end; ++i)
-      if (squares_[i] != 0) return true;
-    return false;
+    return std::ranges::any_of(squares_.subspan(begin, end - begin), [](double square) { return square != 0; });
   }
 
   // Energy at the tension of the file [J].
-  [[nodiscard]] double energy(const ContactNetwork<T>& network) const {
+  [[nodiscard]] double energy(const ContactNetwork<T>& network, const String& string) const {
     double sum = 0;
-    for (std::size_t b = 0, i = 0; b < body_ends_.size(); ++b)
-      for (std::size_t mode = 0; i < body_ends_[b]; ++i, ++mode) {
-        if (squares_[i] == 0) continue;
-        const double q = double(network.body(b).displacement(mode));
-        sum += modes_[i].mass_kg * squares_[i] * q * q / 2;
-      }
+    for (std::size_t i = string.begin; i < string.end; ++i) {
+      const double q = double(network.body(string.body).displacement(i - string.begin));
+      sum += modes_[i].mass_kg * squares_[i] * q * q / 2;
+    }
     return sum;
   }
 
-  void retune(ContactNetwork<T>& network, std::size_t body, std::size_t begin) {
-    for (std::size_t i = begin; i < body_ends_[body]; ++i) tuned_[i] = retuned(modes_[i], squares_[i], bend_.cents());
-    network.retune(body, std::span<const Mode>(tuned_).subspan(begin, body_ends_[body] - begin));
+  void retune(ContactNetwork<T>& network, const String& string) {
+    for (std::size_t i = string.begin; i < string.end; ++i)
+      tuned_[i] = retuned(modes_[i], squares_[i], string.bend.cents());
+    network.retune(string.body,
+                   std::span<const Mode>(tuned_).subspan(string.begin, string.end - string.begin));
   }
 
   std::vector<Mode> modes_, tuned_;
   std::span<const double> squares_;
-  std::span<const std::size_t> body_ends_;
-  Bend bend_;
-  double target_ = 0;
+  std::vector<String> strings_;
+  double shift_ = 0;
   std::size_t sample_ = 0;
-  std::size_t wait_ = 0;  // samples until the tension changes again
 };
 
 /// The damper of some bodies. It is up until release(), and adds to the damping of the controls.

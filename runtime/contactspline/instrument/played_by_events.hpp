@@ -15,11 +15,18 @@
 
 namespace contactspline {
 
-/// Plays an event by its value, a speed [m/s] or a force [N].
+/// Plays an event by its value: a speed [m/s], a force [N] or an acceleration [m/s^2].
 template <typename I>
 void play_event(I& instrument, const Event& event, double value) {
   const auto x = static_cast<typename I::value_type>(value);
-  event.kind == EventKind::kStrike ? instrument.strike(event.number, x) : instrument.pluck(event.number, x);
+  switch (event.kind) {
+    case EventKind::kStrike:
+      return instrument.strike(event.number, x);
+    case EventKind::kPluck:
+      return instrument.pluck(event.number, x);
+    case EventKind::kBow:
+      if constexpr (requires { instrument.bow(event.number, x); }) instrument.bow(event.number, x);
+  }
 }
 
 /// note_on() and note_off() of an instrument: each key plays its event where it has only one; else the keys from 60
@@ -49,7 +56,9 @@ class PlayedByEvents {
     if (!number) return;
     down_.reset(static_cast<std::size_t>(key));
     const Event& event = self().events()[*number];
-    if (event.kind == EventKind::kStrike && (has_keys() || down_.none())) self().release(event.number);
+    if (!has_keys() && down_.any()) return;
+    if (event.kind == EventKind::kStrike) self().release(event.number);
+    if (event.kind == EventKind::kBow) play_event(self(), event, 0);
   }
 
   /// The event that a key plays, if it plays one.

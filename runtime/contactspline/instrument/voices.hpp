@@ -23,16 +23,18 @@
 namespace contactspline {
 
 /// keyed()       the ranges of its keys and the number of its voices
-/// tune(cents)   from the next sample on, beside the bend of its parameter; safe on an audio thread
+/// tune(cents, string)   a body or kAllStrings, from the next sample on, beside the bend of its parameter; safe on an
+///               audio thread
 template <typename I>
 concept KeyedInstrument = Instrument<I> && requires(I& i, const I& c) {
   { c.keyed() } -> std::convertible_to<const KeyedData&>;
-  i.tune(100.0);
+  i.tune(100.0, kAllStrings);
 };
 
 /// Plays the keys of an instrument on so many copies of it as it has voices; the outputs are their sums. A key takes
 /// the voice that it had last; else one that is silent, the one that was released first, or the one that was struck
-/// first. An event without a key plays on a voice with the pitch of the file. Meets Instrument.
+/// first. An event without a key plays on a voice with the pitch of the file. A bow is down while a key of its event is
+/// held; where several are, the last of them tunes the string. Meets Instrument.
 template <KeyedInstrument I>
 class Voices {
   using T = typename I::value_type;
@@ -45,6 +47,7 @@ class Voices {
   explicit Voices(const Args&... args) {
     voices_.emplace_back(args...);
     while (voices_.size() < first().keyed().voices) voices_.emplace_back(args...);
+    for (Voice& voice : voices_) voice.tuners.resize(first().keyed().ranges.size(), kPlayers);
     last_.resize(first().outputs().size());
     unmixed_.resize(last_.size(), std::vector<T>(kBlock));
     parts_.resize(last_.size());
@@ -83,7 +86,8 @@ class Voices {
     const KeyRange* range = range_of(key);
     if (range == nullptr || !is_number(velocity)) return;
     const Event& event = events()[range->event];
-    Voice& voice = take(static_cast<std::size_t>(key), cents_of(*range, key));
+    Voice& voice = take(static_cast<std::size_t>(key));
+    tune(voice, *range, key);
     play_event(voice.instrument, event, std::clamp(velocity, 0.0, 1.0) * value(event.parameter));
   }
   void note_off(int key) {
@@ -99,7 +103,7 @@ class Voices {
     if (range == nullptr || range->tuned_key < 0 || !is_number(cents)) return;
     key_cents_[static_cast<std::size_t>(key)] = cents;
     for (Voice& voice : voices_)
-      if (voice.player == static_cast<std::size_t>(key)) voice.instrument.tune(cents_of(*range, key));
+      if (voice.tuners[number_of(*range)] == static_cast<std::size_t>(key)) tune(voice, *range, key);
   }
   /// The event that a key plays, if it plays one.
   [[nodiscard]] std::optional<std::size_t> event_of(int key) const {
@@ -108,15 +112,22 @@ class Voices {
   }
   void strike(std::size_t number, T speed_m_per_s) {
     if (const auto player = player_of(EventKind::kStrike, number); player < kPlayers && is_number(speed_m_per_s))
-      take(player, 0).instrument.strike(number, speed_m_per_s);
+      take_untuned(player).instrument.strike(number, speed_m_per_s);
   }
   void release(std::size_t number) { let_go(player_of(EventKind::kStrike, number)); }
   void pluck(std::size_t number, T force_n, double rise_s = kPluckRise_s) {
     const auto player = player_of(EventKind::kPluck, number);
     if (player >= kPlayers || !is_number(force_n)) return;
-    Voice& voice = take(player, 0);
+    Voice& voice = take_untuned(player);
     voice.players.reset(player);  // nothing lets go of it later
     voice.instrument.pluck(number, force_n, rise_s);
+  }
+
+  void bow(std::size_t number, T acceleration_m_per_s2) {
+    const auto player = player_of(EventKind::kBow, number);
+    if (player >= kPlayers || !is_number(acceleration_m_per_s2)) return;
+    if (!(acceleration_m_per_s2 > 0)) return let_go(player);
+    take_untuned(player).instrument.bow(number, acceleration_m_per_s2);
   }
 
   void process(Outputs<T> outputs, std::span<T> force = {}) {
@@ -152,7 +163,8 @@ class Voices {
   /// Brings all voices to rest. Parameters stay. Does not allocate.
   void reset() {
     for (Voice& voice : voices_) {
-      voice.instrument.tune(0);
+      voice.instrument.tune(0, kAllStrings);
+      std::ranges::fill(voice.tuners, kPlayers);
       voice.instrument.reset();
       voice.players.reset();
       voice.player = kPlayers;
@@ -210,6 +222,7 @@ class Voices {
     I instrument;
     std::bitset<kPlayers> players;  // that hold it
     std::size_t player = kPlayers;  // the last one
+    std::vector<std::size_t> tuners;  // for each range the key that has tuned its string last, or kPlayers
     std::size_t order = 0;          // of its last note or release
     std::size_t until_look = kLook;
     bool is_asleep = false;
@@ -230,9 +243,20 @@ class Voices {
     return found == ranges.end() ? nullptr : &*found;
   }
 
-  [[nodiscard]] double cents_of(const KeyRange& range, int key) const {
-    if (range.tuned_key < 0) return 0;
-    return 100.0 * (key - range.tuned_key) + key_cents_[static_cast<std::size_t>(key)];
+  [[nodiscard]] std::size_t number_of(const KeyRange& range) const {
+    return static_cast<std::size_t>(&range - keyed().ranges.data());
+  }
+
+  // Gives the string of a range the pitch of one of its keys.
+  void tune(Voice& voice, const KeyRange& range, int key) {
+    const auto is_for = [&](const KeyRange& other) {
+      return other.string == range.string || other.string == kAllStrings || range.string == kAllStrings;
+    };
+    for (std::size_t r = 0; r < voice.tuners.size(); ++r)
+      if (is_for(keyed().ranges[r])) voice.tuners[r] = kPlayers;
+    voice.tuners[number_of(range)] = static_cast<std::size_t>(key);
+    const double bend = key_cents_[static_cast<std::size_t>(key)];
+    voice.instrument.tune(range.tuned_key < 0 ? 0 : 100.0 * (key - range.tuned_key) + bend, range.string);
   }
 
   [[nodiscard]] std::size_t player_of(EventKind kind, std::size_t number) const {
@@ -241,20 +265,35 @@ class Voices {
     return kPlayers;
   }
 
+  // The same with the pitch of the file.
+  Voice& take_untuned(std::size_t player) {
+    Voice& voice = take(player);
+    voice.instrument.tune(0, kAllStrings);
+    std::ranges::fill(voice.tuners, kPlayers);
+    return voice;
+  }
+
   // The voice that a player gets, held by it.
-  Voice& take(std::size_t player, double cents) {
+  Voice& take(std::size_t player) {
     auto found = std::ranges::find(voices_, player, &Voice::player);
     if (found == voices_.end())
       found = std::ranges::min_element(voices_, {}, [](const Voice& voice) {
         return std::tuple(voice.players.any(), !voice.is_asleep, voice.order);
       });
-    if (voices_.size() > 1 && found->player != player) found->players.reset();
+    if (voices_.size() > 1 && found->player != player) empty(*found);
     found->players.set(player);
     found->player = player;
-    found->order = ++order_;
-    found->instrument.tune(cents);
+    found->order = orders_[player] = ++order_;
     found->wake();
     return *found;
+  }
+
+  // Takes a voice away from those that hold it.
+  void empty(Voice& voice) {
+    if (voice.players.none()) return;
+    voice.players.reset();
+    for (const Event& event : events())
+      if (event.kind == EventKind::kBow) play_event(voice.instrument, event, 0);
   }
 
   void let_go(std::size_t player) {
@@ -262,10 +301,27 @@ class Voices {
     for (Voice& voice : voices_) {
       if (!voice.players[player]) continue;
       voice.players.reset(player);
+      if (const std::size_t e = event_played_by(player); events()[e].kind == EventKind::kBow) lift(voice, player, e);
       if (voice.players.any()) continue;
       voice.instrument.release(0);
       voice.order = ++order_;
     }
+  }
+
+  // The event that a player plays: a key, or the event itself.
+  [[nodiscard]] std::size_t event_played_by(std::size_t player) const {
+    return player < kKeys ? range_of(static_cast<int>(player))->event : player - kKeys;
+  }
+
+  // Lifts the bow of an event, unless another player holds it; the last of these keys tunes the string again.
+  void lift(Voice& voice, std::size_t player, std::size_t event) {
+    std::size_t last = kPlayers;
+    for (std::size_t p = 0; p < (std::min)(kKeys + events().size(), kPlayers); ++p)
+      if (voice.players[p] && event_played_by(p) == event && (last == kPlayers || orders_[p] > orders_[last])) last = p;
+    if (last == kPlayers) return play_event(voice.instrument, events()[event], 0);
+    if (last >= kKeys) return;
+    const KeyRange& range = *range_of(static_cast<int>(last));
+    if (player < kKeys && voice.tuners[number_of(range)] == player) tune(voice, range, static_cast<int>(last));
   }
 
   // Adds a part of a block of one voice.
@@ -281,6 +337,7 @@ class Voices {
 
   std::deque<Voice> voices_;               // which do not move
   std::array<double, kKeys> key_cents_{};  // of single keys
+  std::array<std::size_t, kPlayers> orders_{};  // of the last note of each player
   std::size_t order_ = 0;
   std::vector<T> last_;
   T last_force_ = 0;
