@@ -142,9 +142,9 @@ TEST_F(KeysOnTheCommandLine, AreRefusedWhereTheyCannotPlay) {
   expect_refused(
       render("song.mid", "felt_c4"), "--instrument: felt_c4: is a material",
       "allowed: a .json file of an instrument with bodies and keys, or of a keyboard, a model of your own (.so), "
-      "fret_guitar, lap_steel, piano");
+      "cello, fret_guitar, lap_steel, violin, piano");
   expect_refused(render("song.mid", "probe"), "--instrument: probe: is no instrument and no keyboard",
-                 "allowed: probe.json, which is a file here, a model of your own (.so), fret_guitar, ");
+                 "allowed: probe.json, which is a file here, a model of your own (.so), cello, fret_guitar, ");
   expect_refused(run_here({"render", "song"}), "song: SCORE: no such score ships",
                  "allowed: song.mid, which is a file here, ");
   expect_refused(run_here({"inspect", "probe"}), "probe: MATERIAL: no such material, ",

@@ -17,6 +17,7 @@ class ShippedInstrument : public ::testing::TestWithParam<std::string> {};
 
 struct Balance {
   double peak_j, error_j;
+  double rounding_j = 0;  ///< of friction: eps times the sum of |f| (|xf| + xi |f|), as in friction_network_test
   std::size_t solved = 0;   ///< samples with coupled contacts or springs
   std::size_t steps = 0;    ///< steps of the solver in all samples
   int largest_steps = 0;    ///< most steps in one sample
@@ -46,6 +47,13 @@ Balance balance_of(const Voice& voice, double rate, double duration_s) {
     balance.peak_j = std::max(balance.peak_j, energy);
     const double error = std::abs(energy - begin - received);
     if (!(error <= balance.error_j)) balance.error_j = error;
+    const auto& solver = instrument.network().solver();
+    for (std::size_t k = 0; k < arrays.connections.size(); ++k) {
+      if (arrays.connections[k].kind != ConnectionKind::kFriction) continue;
+      const double force = std::abs(instrument.network().force(k));
+      balance.rounding_j += std::numeric_limits<double>::epsilon() * force *
+                            (std::abs(solver[k].free_increment) + solver.admittance(k, k) * force);
+    }
     const int steps = instrument.network().solver().steps();
     balance.solved += steps > 0;
     balance.steps += static_cast<std::size_t>(steps);
@@ -55,7 +63,8 @@ Balance balance_of(const Voice& voice, double rate, double duration_s) {
   return balance;
 }
 
-// 3 s at two rates, or 10 s at four of them. Each sample's forces are right to some roundings of 1e-16, which add up.
+// 3 s at two rates, or 10 s at four of them. Each sample's forces are right to some roundings of 1e-16, which add up. A
+// bow does much more work than its string stores: its bound is that of friction_network_test.
 TEST_P(ShippedInstrument, KeepsItsEnergyToRounding) {
   const bool is_full = std::getenv("CONTACTSPLINE_FULL_TESTS") != nullptr;
   const auto rates = is_full ? std::vector<double>{22050, 44100, 96000, 192000} : std::vector<double>{44100, 96000};
@@ -66,7 +75,8 @@ TEST_P(ShippedInstrument, KeepsItsEnergyToRounding) {
     for (const Voice& voice : score.voices) {
       const Balance balance = balance_of(voice, rate, is_full ? score.duration_s : 3);
       EXPECT_GT(balance.peak_j, 1e-4) << voice.name;
-      EXPECT_TRUE(within(balance.error_j, 0, 1e-12 * balance.peak_j)) << voice.name << " at " << rate << " Hz";
+      EXPECT_TRUE(within(balance.error_j, 0, 1e-12 * balance.peak_j + 8 * balance.rounding_j))
+          << voice.name << " at " << rate << " Hz";
       EXPECT_EQ(balance.bounded, 0U) << voice.name << ": no sample may need more than the largest number of steps";
       Measured() << voice.name << " at " << rate << " Hz: " << balance.error_j / balance.peak_j << " of the peak; "
                  << static_cast<double>(balance.steps) / static_cast<double>(std::max<std::size_t>(balance.solved, 1))

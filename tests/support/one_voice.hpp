@@ -19,10 +19,10 @@ bool play_note(NetworkInstrument<T>& instrument, const NoteTrack::Change& change
     if (note.key < range.first || note.key > range.last) continue;
     const Event& event = instrument.events()[range.event];
     if (change.is_end) {
-      instrument.release(event.number);
+      event.kind == EventKind::kBow ? play_event(instrument, event, 0) : instrument.release(event.number);
       return true;
     }
-    if (range.tuned_key >= 0) instrument.tune(100.0 * (note.key - range.tuned_key));
+    if (range.tuned_key >= 0) instrument.tune(100.0 * (note.key - range.tuned_key), range.string);
     play_event(instrument, event, note.velocity * instrument.value(event.parameter));
     return true;
   }

@@ -245,7 +245,7 @@ inline Study study_of_network(const InstrumentData& data, std::span<const double
   for (const KeyRange& range : data.keyed.ranges) {
     if (plan.key < range.first || plan.key > range.last) continue;
     event = range.event;
-    if (range.tuned_key >= 0) instrument.tune(100.0 * (plan.key - range.tuned_key));
+    if (range.tuned_key >= 0) instrument.tune(100.0 * (plan.key - range.tuned_key), range.string);
   }
   for (std::size_t p = 0; p < values.size(); ++p) instrument.set(p, values[p]);
   Study study;
