@@ -92,7 +92,7 @@ MidiSettings settings_of(const InstrumentModel& model, const Tuning& tuning) {
   return tuning.is_given() ? tuned(settings, key_cents_of(model, tuning)) : settings;
 }
 
-// The wheel of its channel, and the sustain pedal.
+// The wheel of its channel, the sustain pedal, and what moves parameters.
 void add_controllers(const InstrumentModel& model, const MidiSong& song, int channel, double cents, Voice& voice) {
   if (cents != 0) voice.glides.push_back({0, 0, model.keys.bend, cents});
   for (const MidiBend& bend : song.bends)
@@ -100,6 +100,10 @@ void add_controllers(const InstrumentModel& model, const MidiSong& song, int cha
   for (const MidiPedal& pedal : song.pedals)
     if (pedal.controller == kSustainPedal && model.keys.sustain != kNoParameter)
       voice.glides.push_back({pedal.time_s, 0, model.keys.sustain, pedal.position});
+  for (const MidiMove& move : song.moves)
+    for (std::size_t p = 0; p < model.parameters.size(); ++p)
+      if (const ModelParameter& parameter = model.parameters[p]; parameter.controller == move.controller)
+        voice.glides.push_back({move.time_s, parameter.glide_s, p, value_at(parameter, move.part)});
 }
 
 std::vector<Voice> read_voices(const JsonObject& score, const InstrumentModel& model) {

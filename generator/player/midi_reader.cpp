@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "contactspline/data/parameter.hpp"
 #include "generator/support/error.hpp"
 
 namespace contactspline {
@@ -43,6 +44,8 @@ class SongRecorder {
         song_.bends.push_back({time_s_, event.channel, event.cents, sounds(event.channel)});
         return;
       case Kind::kController:
+        if (midi_pedal(event.number) == kMidiPedals.size())
+          song_.moves.push_back({time_s_, event.number, event.value});
         if (event.number == kSustainPedal && !midi_.is_sustained(event.channel)) end_held(channel_of(event));
         return;
       case Kind::kPedal:
@@ -52,6 +55,8 @@ class SongRecorder {
       case Kind::kReset:
         return silence_all();
       case Kind::kPressure:
+        song_.moves.push_back({time_s_, kPressureController, event.value});
+        return;
       case Kind::kProgram:
         return;
     }

@@ -39,11 +39,19 @@ struct MidiPedal {
   double position;  ///< 0 up to 1 down, of the channel that presses it farthest
 };
 
+/// A controller that is no pedal, or the pressure (kPressureController), goes to another place.
+struct MidiMove {
+  double time_s;
+  int controller;
+  double part;  ///< 0 to 1
+};
+
 struct MidiSong {
   std::string title;                      ///< of the first track, printable; empty where it has none
   std::vector<MidiNote> notes;            ///< by rising time
   std::vector<MidiBend> bends;            ///< by rising time
   std::vector<MidiPedal> pedals;          ///< by rising time
+  std::vector<MidiMove> moves = {};       ///< by rising time
   std::vector<double> silences_s = {};    ///< when all that sounds stops
   std::vector<std::string> remarks = {};  ///< what of the file was not read as it stands
   std::size_t unchosen = 0;               ///< notes of other channels

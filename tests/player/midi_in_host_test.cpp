@@ -10,10 +10,14 @@
 
 #include "contactspline/host/engine.hpp"
 #include "contactspline/host/hosted.hpp"
+#include "contactspline/instrument/voices.hpp"
+#include "generator/instrument/instrument_reader.hpp"
 #include "generator/player/instrument_parts.hpp"
+#include "generator/player/instrument_score_reader.hpp"
 #include "generator/player/score_player.hpp"
 #include "generator/player/score_reader.hpp"
 #include "generator/resonator/keyboard_reader.hpp"
+#include "generator/support/embedded_files.hpp"
 #include "support/compare.hpp"
 #include "support/midi_files.hpp"
 
@@ -79,6 +83,26 @@ TEST(MidiInHost, SoundsAsItsFileDoes) {
   const std::vector<double> expected =
       hosted_sound(score, messages(bytes({0xf0}) + tuned_key + bytes({0xf7})), sound.size() / 2);
   EXPECT_TRUE(sequences_within<double>(sound, expected, 1e-6));
+}
+
+// Of their whole ranges, 0 to 5 N and 0 to 1 m/s.
+TEST(MidiInHost, PressureAndBreathMoveABow) {
+  const InstrumentModel violin =
+      parse_instrument(find_embedded(Shipped::kInstruments, "violin.json")->content, "violin.json");
+  const Events messages = {{0, bytes({0xd0, 32})}, {0, controller(2, 127)}, {0, on(62)}, {kSecond, off(62)}};
+  const Score score = parse_midi_on_instrument(file(track(messages)), "song.mid", {}, violin);
+  const InstrumentArrays arrays = arrays_of(violin, kRate_hz / 2);
+  Hosted<double> hosted(handle_of<Voices<NetworkInstrument<double>>>(arrays.view()));
+  hosted.prepare(kRate_hz);
+  for (const auto& [tick, message] : messages)
+    hosted.midi({reinterpret_cast<const std::uint8_t*>(message.data()), message.size()});
+  const std::vector<Glide>& glides = score.voices.front().glides;
+  ASSERT_EQ(glides.size(), 2U);
+  for (const auto& [parameter, value] : {std::pair<std::size_t, double>(0, 5 * 32 / 127.0), {1, 1}}) {
+    EXPECT_EQ(glides[parameter].control, parameter);
+    EXPECT_DOUBLE_EQ(glides[parameter].to, value);
+    EXPECT_DOUBLE_EQ(hosted.target(parameter), value);
+  }
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "contactspline/step/cpp20.hpp"
 
+#include <cmath>
 #include <cstddef>
 #include <string>
 #include <string_view>
@@ -37,6 +38,13 @@ struct BasicParameter {
   std::size_t step_samples = 1;  ///< while it moves, a new value is of use after so many samples
 };
 using Parameter = BasicParameter<const char*>;
+
+/// The value at a part of a slider's way, 0 to 1.
+template <typename Text>
+[[nodiscard]] double value_at(const BasicParameter<Text>& parameter, double part) {
+  const auto& [min, max] = parameter.slider;
+  return parameter.scale == Scale::kLogarithmic ? min * std::pow(max / min, part) : min + part * (max - min);
+}
 
 enum class EventKind : unsigned char { kStrike, kPluck, kBow };
 

@@ -161,7 +161,7 @@ class Hosted {
   // Moves the parameters of a controller to a part of their way, 0 to 1.
   void move(int controller, double part) {
     for (std::size_t p = 0; p < targets_.size(); ++p)
-      if (controller != 0 && instrument().parameters()[p].controller == controller) set(p, from_part(p, part));
+      if (controller != 0 && instrument().parameters()[p].controller == controller) set(p, value_at(instrument().parameters()[p], part));
   }
 
   // Where keys are not bent alone, what MIDI bends last moves the parameter.
@@ -170,13 +170,6 @@ class Hosted {
     if (cents == std::exchange(bend_cents_, cents)) return;
     for (std::size_t p = 0; p < targets_.size(); ++p)
       if (std::string_view(instrument().parameters()[p].name) == "bend_cents") set(p, cents);
-  }
-
-  // A part of a slider's way, 0 to 1.
-  [[nodiscard]] double from_part(std::size_t parameter, double part) const {
-    const auto& [min, max] = instrument().parameters()[parameter].slider;
-    return instrument().parameters()[parameter].scale == Scale::kLogarithmic ? min * std::pow(max / min, part)
-                                                                             : min + part * (max - min);
   }
 
   void set_now(std::size_t parameter, double value) { sleeper_.play({0, Action::kSet, parameter, value}); }

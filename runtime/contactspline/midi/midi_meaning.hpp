@@ -101,7 +101,7 @@ inline constexpr auto kMidiOthers = std::to_array<MidiWords>({
      "64 and 0 at its own pace, 127 four times as fast, 1 four times as slow"},
     {"pitch wheel",
      "bends what its channel plays by the bend range, in an MPE zone beside that of the first channel"},
-    {"pressure of a key or channel", "known, but no instrument has a parameter for it"},
+    {"pressure of a key or channel", "moves the parameter that has it, as the force of a bow"},
     {"program", "known, but changes no instrument"},
     {"master fine and coarse tuning", "universal, real time: tunes all"},
     {"single-note tuning",
