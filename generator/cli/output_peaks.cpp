@@ -33,8 +33,7 @@ std::vector<Played> all_played(const InstrumentModel& model) {
         all.push_back({fmt::format("key {}", key), {0, Action::kNoteOn, static_cast<std::size_t>(key), 1, 0}});
   if (!all.empty()) return all;
   for (const ModelEvent& event : model.events)
-    all.push_back({event.name,
-                   {0, action_of(event.kind), event.number, TimedEvent::kOfParameter, kPluckRise_s}});
+    all.push_back({event.name, {0, action_of(event.kind), event.number, TimedEvent::kOfParameter, kPluckRise_s}});
   return all;
 }
 

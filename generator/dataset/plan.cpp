@@ -141,8 +141,7 @@ PlannedEvent read_event(const Reading& reading, const JsonObject& event) {
   if (only("hold_s", !sets && !plucks, "beside key, or an event that strikes or bows"))
     planned.end = planned.sample + sample_at(reading, event.number("hold_s", times));
   planned.rise_s = kPluckRise_s;
-  if (only("rise_s", plucks, "beside an event that plucks"))
-    planned.rise_s = event.number("rise_s", {1e-5, 1});
+  if (only("rise_s", plucks, "beside an event that plucks")) planned.rise_s = event.number("rise_s", {1e-5, 1});
   return planned;
 }
 

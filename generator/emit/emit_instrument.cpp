@@ -142,8 +142,8 @@ std::string add_cpp_keys(const ModelKeys& keys, const InstrumentArrays& arrays, 
   text += cpp_array("KeyRange", keys.ranges.size(), "key_ranges",
                     "{\n" + rows_of(keys.ranges, "        ", [](const KeyRange& range, std::size_t) {
                       const std::string string = range.string == kAllStrings ? "" : fmt::format(", {}", range.string);
-                      return fmt::format("{{{}, {}, {}, {}{}}}", range.first, range.last, range.event, range.tuned_key,
-                                         string);
+                      return fmt::format("{{{}, {}, {}, {}{}}}", range.first, range.last, range.event,
+                                         range.tuned_key, string);
                     }) + "}");
   text += cpp_numbers("tension_squares", arrays.tension_squares);
   text += cpp_array("std::size_t", keys.damped.size(), "damped", whole_numbers(keys.damped));
@@ -273,18 +273,18 @@ TemplateValues cpp_values(const InstrumentModel& model, const InstrumentArrays& 
 std::string json_options_of(const InstrumentModel& model, const InstrumentArrays& arrays) {
   std::string text;
   if (!model.keys.ranges.empty()) {
-    text += fmt::format(",\n  \"keys\": [\n{}\n  ],\n  \"polyphony\": {}",
-                        rows_of(model.keys.ranges, "    ",
-                                [&](const KeyRange& range, std::size_t) {
-                                  const std::string tuned =
-                                      range.tuned_key < 0 ? "" : fmt::format(", \"tuned_key\": {}", range.tuned_key);
-                                  const std::string string =
-                                      range.string == kAllStrings ? "" : fmt::format(", \"string\": {}", range.string);
-                                  return fmt::format("{{\"first\": {}, \"last\": {}, \"event\": \"{}\"{}{}}}",
-                                                     range.first, range.last, model.events[range.event].name, tuned,
-                                                     string);
-                                }),
-                        model.keys.voices);
+    text += fmt::format(
+        ",\n  \"keys\": [\n{}\n  ],\n  \"polyphony\": {}",
+        rows_of(model.keys.ranges, "    ",
+                [&](const KeyRange& range, std::size_t) {
+                  const std::string tuned =
+                      range.tuned_key < 0 ? "" : fmt::format(", \"tuned_key\": {}", range.tuned_key);
+                  const std::string string =
+                      range.string == kAllStrings ? "" : fmt::format(", \"string\": {}", range.string);
+                  return fmt::format("{{\"first\": {}, \"last\": {}, \"event\": \"{}\"{}{}}}", range.first,
+                                     range.last, model.events[range.event].name, tuned, string);
+                }),
+        model.keys.voices);
     if (!arrays.tension_squares.empty())
       text += fmt::format(",\n  \"tension_squares_per_s2\": [\n{}\n  ]", literal_rows(arrays.tension_squares, 4));
     if (!model.keys.damped.empty())
@@ -297,12 +297,12 @@ std::string json_options_of(const InstrumentModel& model, const InstrumentArrays
     text += fmt::format(",\n  \"stretch_squares_per_m2\": [\n{}\n  ],\n  \"stretch_stiffnesses_j\": [\n{}\n  ]",
                         literal_rows(arrays.stretch_squares, 4), literal_rows(arrays.stretch_stiffnesses, 4));
   if (!arrays.bows.empty())
-    text += fmt::format(",\n  \"bows\": [\n{}\n  ]",
-                        rows_of(arrays.bows, "    ", [](const InstrumentBow& bow, std::size_t) {
-                          return fmt::format(
-                              "{{\"first\": {}, \"count\": {}, \"min_n_s_per_m\": {}, \"max_n_s_per_m\": {}}}", bow.first,
-                              bow.count, literal(bow.limits.min_n_s_per_m), literal(bow.limits.max_n_s_per_m));
-                        }));
+    text += fmt::format(
+        ",\n  \"bows\": [\n{}\n  ]", rows_of(arrays.bows, "    ", [](const InstrumentBow& bow, std::size_t) {
+          return fmt::format("{{\"first\": {}, \"count\": {}, \"min_n_s_per_m\": {}, \"max_n_s_per_m\": {}}}",
+                             bow.first, bow.count, literal(bow.limits.min_n_s_per_m),
+                             literal(bow.limits.max_n_s_per_m));
+        }));
   if (model.presets.empty()) return text;
   return text + fmt::format(",\n  \"presets\": [\n{}\n  ]",
                             rows_of(model.presets, "    ", [&](const ModelPreset& preset, std::size_t) {

@@ -233,7 +233,8 @@ class ControlReader {
     if (json.has_text("controller")) {
       constexpr auto kAllowed = "\"pressure\" or an integer from 1 to 119";
       const std::string name = json.text("controller", kAllowed);
-      if (name != "pressure") json.fail(json.key("controller"), fmt::format("'{}' is unknown", shown(name)), kAllowed);
+      if (name != "pressure")
+        json.fail(json.key("controller"), fmt::format("'{}' is unknown", shown(name)), kAllowed);
       parameter.controller = kPressureController;
     } else {
       parameter.controller = static_cast<unsigned char>(json.integer("controller", 1, kMaxController));
@@ -282,7 +283,8 @@ class ControlReader {
     if (!has_min) return {};
     const double min = row.number("min_n_s_per_m", kForceOverSpeed);
     const double max = row.number("max_n_s_per_m", kForceOverSpeed);
-    if (!(min < max)) row.fail(row.key("min_n_s_per_m"), fmt::format("{} is not below {}", min, max), "min below max");
+    if (!(min < max))
+      row.fail(row.key("min_n_s_per_m"), fmt::format("{} is not below {}", min, max), "min below max");
     return {min, max};
   }
 

@@ -85,8 +85,7 @@ class Flattener {
     arrays_.strikes = model_.strikes;
     arrays_.plucks = model_.plucks;
     for (const ModelBow& bow : model_.bows)
-      arrays_.bows.push_back(
-          {first_connection_[bow.group], model_.connections[bow.group].gaps_m.size(), bow.limits});
+      arrays_.bows.push_back({first_connection_[bow.group], model_.connections[bow.group].gaps_m.size(), bow.limits});
     add_lists();
     return std::move(arrays_);
   }

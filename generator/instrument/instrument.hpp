@@ -111,8 +111,8 @@ struct InstrumentModel {
   std::vector<ContactTable> tables;
   std::vector<ConnectionGroup> connections;
   std::vector<ControlTargets> controls;
-  std::vector<std::size_t> strikes;        ///< bodies, free masses
-  std::vector<std::size_t> plucks;         ///< controls of forces
+  std::vector<std::size_t> strikes;  ///< bodies, free masses
+  std::vector<std::size_t> plucks;   ///< controls of forces
   std::vector<ModelBow> bows;
   std::size_t assistance = kNoParameter;
   std::vector<ModelParameter> parameters;  ///< as in InstrumentData
@@ -163,7 +163,7 @@ struct InstrumentArrays {
   std::vector<HoldingForce> holds;
   std::vector<double> stretch_squares, stretch_stiffnesses;  ///< empty unless a body stretches
   std::vector<InstrumentBow> bows;
-  std::shared_ptr<const InstrumentModel> model;              ///< with the text of all names
+  std::shared_ptr<const InstrumentModel> model;  ///< with the text of all names
 
   [[nodiscard]] InstrumentData view() const;
 };

@@ -18,12 +18,12 @@ namespace {
 
 // Members of the emitted C++ class and a parameter, which must not be called like it.
 constexpr const char* kMemberNames[] = {
-    "tick",          "process",  "output",  "energy",    "work",           "dissipated",
-    "network",       "reset",    "strike",  "release",   "pluck",          "data",           "bow",
-    "speed",         "value",    "set",     "prepare",   "name",           "events",
-    "contact_force", "ground",   "samples", "is_silent", "format_version", "sample_rate_hz",
-    "parameters",    "outputs",  "presets", "force",     "note_on",        "description",
-    "value_type",    "note_off", "tune",    "keyed",     "voice",          "license"};
+    "tick",    "process",   "output",         "energy",         "work",       "dissipated",    "network",
+    "reset",   "strike",    "release",        "pluck",          "data",       "bow",           "speed",
+    "value",   "set",       "prepare",        "name",           "events",     "contact_force", "ground",
+    "samples", "is_silent", "format_version", "sample_rate_hz", "parameters", "outputs",       "presets",
+    "force",   "note_on",   "description",    "value_type",     "note_off",   "tune",          "keyed",
+    "voice",   "license"};
 
 void read_names(InstrumentDraft& draft) {
   draft.model.name = read_name(draft.json, kMemberNames);

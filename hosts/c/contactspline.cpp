@@ -71,8 +71,7 @@ std::vector<contactspline_output> listed(std::span<const Output> outputs) {
 
 std::vector<contactspline_event> listed(std::span<const Event> events) {
   std::vector<contactspline_event> list;
-  for (const Event& e : events)
-    list.push_back({e.name, static_cast<int>(action_of(e.kind)), e.number, e.parameter});
+  for (const Event& e : events) list.push_back({e.name, static_cast<int>(action_of(e.kind)), e.number, e.parameter});
   return list;
 }
 

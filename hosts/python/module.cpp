@@ -306,9 +306,9 @@ py::list parameters_of(const Source& source) {
 py::list events_of(const Source& source) {
   py::list rows;
   for (const Event& e : source.shown().events())
-    rows.append(
-        py::dict(py::arg("name") = e.name, py::arg("kind") = event_kind(e.kind).verb,
-                 py::arg("number") = e.number, py::arg("parameter") = source.shown().parameters()[e.parameter].name));
+    rows.append(py::dict(py::arg("name") = e.name, py::arg("kind") = event_kind(e.kind).verb,
+                         py::arg("number") = e.number,
+                         py::arg("parameter") = source.shown().parameters()[e.parameter].name));
   return rows;
 }
 

@@ -86,7 +86,8 @@ std::string fiddle(int low_cents = 0, int high_cents = 0) {
 }
 
 struct Fiddle {
-  explicit Fiddle(const std::string& text = fiddle()) : arrays(arrays_of(parse_instrument(text, "fiddle.json"), kRate / 2)) {
+  explicit Fiddle(const std::string& text = fiddle())
+      : arrays(arrays_of(parse_instrument(text, "fiddle.json"), kRate / 2)) {
     voices.emplace(arrays.view());
     voices->prepare(kRate);
   }
@@ -163,8 +164,8 @@ TEST(KeysThatBow, AreUpUntilAKeyGoesDown) {
   EXPECT_LE(fiddle.imbalance, 1e-12 * fiddle.peak);
 }
 
-// They play the samples of a file whose strings have these pitches, until sticking and slipping amplify the rounding of
-// the modes to 13 digits.
+// They play the samples of a file whose strings have these pitches, until sticking and slipping amplify the rounding
+// of the modes to 13 digits.
 TEST(KeysThatBow, TuneTheirOwnString) {
   Fiddle by_keys, by_file(fiddle(250, 400));
   by_keys.voices->note_on(57, 0.5);
@@ -173,7 +174,8 @@ TEST(KeysThatBow, TuneTheirOwnString) {
   by_file.voices->note_on(55, 0.5);
   by_file.voices->note_on(62, 0.5);
   const std::vector<double> expected = by_file.played(1000);
-  EXPECT_TRUE(sequences_within(std::span<const double>(by_keys.played(1000)), std::span<const double>(expected), 1e-8));
+  EXPECT_TRUE(
+      sequences_within(std::span<const double>(by_keys.played(1000)), std::span<const double>(expected), 1e-8));
 }
 
 // The key below stays down while another is played over it, as in a trill.

@@ -17,7 +17,7 @@ class ShippedInstrument : public ::testing::TestWithParam<std::string> {};
 
 struct Balance {
   double peak_j, error_j;
-  double rounding_j = 0;  ///< of friction: eps times the sum of |f| (|xf| + xi |f|), as in friction_network_test
+  double rounding_j = 0;    ///< of friction: eps times the sum of |f| (|xf| + xi |f|), as in friction_network_test
   std::size_t solved = 0;   ///< samples with coupled contacts or springs
   std::size_t steps = 0;    ///< steps of the solver in all samples
   int largest_steps = 0;    ///< most steps in one sample
@@ -63,8 +63,8 @@ Balance balance_of(const Voice& voice, double rate, double duration_s) {
   return balance;
 }
 
-// 3 s at two rates, or 10 s at four of them. Each sample's forces are right to some roundings of 1e-16, which add up. A
-// bow does much more work than its string stores: its bound is that of friction_network_test.
+// 3 s at two rates, or 10 s at four of them. Each sample's forces are right to some roundings of 1e-16, which add up.
+// A bow does much more work than its string stores: its bound is that of friction_network_test.
 TEST_P(ShippedInstrument, KeepsItsEnergyToRounding) {
   const bool is_full = std::getenv("CONTACTSPLINE_FULL_TESTS") != nullptr;
   const auto rates = is_full ? std::vector<double>{22050, 44100, 96000, 192000} : std::vector<double>{44100, 96000};

@@ -53,7 +53,8 @@ class EachInstrument : public ::testing::TestWithParam<std::string> {};
 std::vector<std::string> instruments_without_friction() {
   std::vector<std::string> names;
   for (const std::string& name : shipped_names(Shipped::kInstruments))
-    if (shipped_text(Shipped::kInstruments, name).find("\"frictions\"") == std::string_view::npos) names.push_back(name);
+    if (shipped_text(Shipped::kInstruments, name).find("\"frictions\"") == std::string_view::npos)
+      names.push_back(name);
   return names;
 }
 

@@ -144,7 +144,8 @@ struct KeyRange {
   std::size_t string = kAllStrings;
 };
 
-/// Connections from `first` on that are one bow: it is up until it is played. The limits are of the sum of its points.
+/// Connections from `first` on that are one bow: it is up until it is played. The limits are of the sum of its
+/// points.
 struct InstrumentBow {
   std::size_t first, count;
   BowLimits limits = {};

@@ -47,8 +47,8 @@ class Stroke {
   /// Does it touch the string?
   [[nodiscard]] bool is_active() const { return is_down_ || pressed_ > 0; }
 
-  /// The next sample of a bow that is active, on its way to a force and a speed, by the speed that it has in its first
-  /// direction. assistance: 0 to 1, how much of the way to the limits the force is moved, in decibels.
+  /// The next sample of a bow that is active, on its way to a force and a speed, by the speed that it has in its
+  /// first direction. assistance: 0 to 1, how much of the way to the limits the force is moved, in decibels.
   Motion next(double force_n, double speed_m_per_s, const BowLimits& limits, double assistance) {
     pressed_ = std::clamp(pressed_ + (is_down_ ? sample_s_ : -sample_s_) / kFall_s, 0.0, 1.0);
     const double change = direction_ * speed_m_per_s - speed_m_per_s_, most = acceleration_m_per_s2_ * sample_s_;

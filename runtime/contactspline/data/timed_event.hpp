@@ -13,16 +13,16 @@ namespace contactspline {
 
 /// What an event does. Bindings for other languages know these numbers.
 enum class Action : int {
-  kStrike = 0,   ///< number: of a strike; value: speed [m/s]; 0 lifts the damper without a blow
-  kRelease = 1,  ///< number: of a strike, whose damper comes down
-  kPluck = 2,    ///< number: of a pluck; value: force [N]
-  kNoteOn = 3,   ///< number: key of MIDI; value: velocity, 0 to 1
-  kNoteOff = 4,  ///< number: key of MIDI; value: release velocity, 0 to 1, or 0 where none is known
-  kSet = 5,      ///< number: of a parameter; value: in its unit
-  kBendKey = 6,  ///< number: key of MIDI; value: cents above its own pitch
-  kDampKey = 7,  ///< number: key of MIDI; value: damping beside the damper's [1/s]
+  kStrike = 0,    ///< number: of a strike; value: speed [m/s]; 0 lifts the damper without a blow
+  kRelease = 1,   ///< number: of a strike, whose damper comes down
+  kPluck = 2,     ///< number: of a pluck; value: force [N]
+  kNoteOn = 3,    ///< number: key of MIDI; value: velocity, 0 to 1
+  kNoteOff = 4,   ///< number: key of MIDI; value: release velocity, 0 to 1, or 0 where none is known
+  kSet = 5,       ///< number: of a parameter; value: in its unit
+  kBendKey = 6,   ///< number: key of MIDI; value: cents above its own pitch
+  kDampKey = 7,   ///< number: key of MIDI; value: damping beside the damper's [1/s]
   kPlaceKey = 8,  ///< number: key of MIDI; value: place of its hammer from the next strike on [m]
-  kBow = 9  ///< number: of a bow; value: its acceleration [m/s^2]; 0 lifts it
+  kBow = 9        ///< number: of a bow; value: its acceleration [m/s^2]; 0 lifts it
 };
 
 /// What plays an event of a kind.

@@ -74,8 +74,8 @@ class Hosted {
   }
   [[nodiscard]] double target(std::size_t parameter) const { return targets_[parameter]; }
 
-  /// Moves the button of an event: when it goes down, the event is played, when it goes up, a bow is lifted. Without a
-  /// key the damper stays up.
+  /// Moves the button of an event: when it goes down, the event is played, when it goes up, a bow is lifted. Without
+  /// a key the damper stays up.
   void press(std::size_t event, bool is_down) {
     if (event >= buttons_.size() || buttons_[event] == is_down) return;
     buttons_[event] = is_down;
@@ -161,7 +161,8 @@ class Hosted {
   // Moves the parameters of a controller to a part of their way, 0 to 1.
   void move(int controller, double part) {
     for (std::size_t p = 0; p < targets_.size(); ++p)
-      if (controller != 0 && instrument().parameters()[p].controller == controller) set(p, value_at(instrument().parameters()[p], part));
+      if (controller != 0 && instrument().parameters()[p].controller == controller)
+        set(p, value_at(instrument().parameters()[p], part));
   }
 
   // Where keys are not bent alone, what MIDI bends last moves the parameter.

@@ -311,8 +311,8 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     const InstrumentFriction& friction = parts_.connections[bow.first].friction;
     const double assistance = data_.assistance == kNoParameter ? 0 : values_[data_.assistance];
     const auto points = static_cast<double>(bow.count);
-    auto motion = strokes_[b].next(points * friction.normal_force_n, friction.surface_speed_m_per_s, bow.limits,
-                                   assistance);
+    auto motion =
+        strokes_[b].next(points * friction.normal_force_n, friction.surface_speed_m_per_s, bow.limits, assistance);
     motion.force_n /= points;
     move_bow(b, motion);
   }

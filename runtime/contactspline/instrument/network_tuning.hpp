@@ -112,8 +112,7 @@ class NetworkTuning {
   void retune(ContactNetwork<T>& network, const String& string) {
     for (std::size_t i = string.begin; i < string.end; ++i)
       tuned_[i] = retuned(modes_[i], squares_[i], string.bend.cents());
-    network.retune(string.body,
-                   std::span<const Mode>(tuned_).subspan(string.begin, string.end - string.begin));
+    network.retune(string.body, std::span<const Mode>(tuned_).subspan(string.begin, string.end - string.begin));
   }
 
   std::vector<Mode> modes_, tuned_;

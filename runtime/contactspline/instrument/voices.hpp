@@ -33,8 +33,8 @@ concept KeyedInstrument = Instrument<I> && requires(I& i, const I& c) {
 
 /// Plays the keys of an instrument on so many copies of it as it has voices; the outputs are their sums. A key takes
 /// the voice that it had last; else one that is silent, the one that was released first, or the one that was struck
-/// first. An event without a key plays on a voice with the pitch of the file. A bow is down while a key of its event is
-/// held; where several are, the last of them tunes the string. Meets Instrument.
+/// first. An event without a key plays on a voice with the pitch of the file. A bow is down while a key of its event
+/// is held; where several are, the last of them tunes the string. Meets Instrument.
 template <KeyedInstrument I>
 class Voices {
   using T = typename I::value_type;
@@ -220,10 +220,10 @@ class Voices {
     }
 
     I instrument;
-    std::bitset<kPlayers> players;  // that hold it
-    std::size_t player = kPlayers;  // the last one
+    std::bitset<kPlayers> players;    // that hold it
+    std::size_t player = kPlayers;    // the last one
     std::vector<std::size_t> tuners;  // for each range the key that has tuned its string last, or kPlayers
-    std::size_t order = 0;          // of its last note or release
+    std::size_t order = 0;            // of its last note or release
     std::size_t until_look = kLook;
     bool is_asleep = false;
   };
@@ -317,7 +317,8 @@ class Voices {
   void lift(Voice& voice, std::size_t player, std::size_t event) {
     std::size_t last = kPlayers;
     for (std::size_t p = 0; p < (std::min)(kKeys + events().size(), kPlayers); ++p)
-      if (voice.players[p] && event_played_by(p) == event && (last == kPlayers || orders_[p] > orders_[last])) last = p;
+      if (voice.players[p] && event_played_by(p) == event && (last == kPlayers || orders_[p] > orders_[last]))
+        last = p;
     if (last == kPlayers) return play_event(voice.instrument, events()[event], 0);
     if (last >= kKeys) return;
     const KeyRange& range = *range_of(static_cast<int>(last));
@@ -335,8 +336,8 @@ class Voices {
     for (std::size_t n = 0; n < (force.empty() ? 0 : samples); ++n) force[begin + n] += forces[n];
   }
 
-  std::deque<Voice> voices_;               // which do not move
-  std::array<double, kKeys> key_cents_{};  // of single keys
+  std::deque<Voice> voices_;                    // which do not move
+  std::array<double, kKeys> key_cents_{};       // of single keys
   std::array<std::size_t, kPlayers> orders_{};  // of the last note of each player
   std::size_t order_ = 0;
   std::vector<T> last_;
