@@ -105,7 +105,7 @@ TYPED_TEST(CLibrary, HasTheListsOfTheClass) {
   for (std::size_t i = 0; i < expected.events().size(); ++i) {
     const Event& e = expected.events()[i];
     EXPECT_STREQ(contactspline_event_at(x, i)->name, e.name);
-    EXPECT_EQ(contactspline_event_at(x, i)->action == CONTACTSPLINE_PLUCK, e.kind == EventKind::kPluck);
+    EXPECT_EQ(contactspline_event_at(x, i)->action, static_cast<int>(action_of(e.kind)));
     EXPECT_EQ(contactspline_event_at(x, i)->number, e.number);
     EXPECT_EQ(contactspline_event_at(x, i)->parameter, e.parameter);
   }
@@ -114,7 +114,7 @@ TYPED_TEST(CLibrary, HasTheListsOfTheClass) {
     EXPECT_STREQ(contactspline_preset_name(x, i), expected.presets()[i].name);
 }
 
-/// Plays the same random events on a class and on the library: notes, strikes, plucks and sliders.
+/// Plays the same random events on a class and on the library: notes, strikes, plucks, bows and sliders.
 template <typename I>
 void play_at_random(Random& random, I& expected, contactspline_instrument* actual) {
   using T = typename I::value_type;
@@ -140,7 +140,11 @@ void play_at_random(Random& random, I& expected, contactspline_instrument* actua
   if (expected.events().empty()) return;
   const Event& event = expected.events()[random.below(expected.events().size())];
   const double strength = expected.value(event.parameter) * velocity;
-  if (event.kind == EventKind::kPluck) {
+  if (event.kind == EventKind::kBow) {
+    play_event(expected, event, strength);
+    const contactspline_timed_event bow{0, CONTACTSPLINE_BOW, event.number, strength, 0};
+    contactspline_play(actual, &bow);
+  } else if (event.kind == EventKind::kPluck) {
     expected.pluck(event.number, static_cast<T>(strength), 0.004);
     contactspline_pluck(actual, event.number, strength, 0.004);
   } else if (random.below(3) == 0) {

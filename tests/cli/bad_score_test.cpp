@@ -105,7 +105,7 @@ TEST(GoodScoreFile, IsAccepted) {
 TEST(BadScore, IsNoNameThatShips) {
   const Sandbox box;
   expect_refused(render(box, "hammer-string", "waltz"), "waltz: SCORE: no such score ships",
-                 "allowed: a .json or .mid file, bach_prelude, buzz_line, dulcimer");
+                 "allowed: a .json or .mid file, bach_prelude, buzz_line, cello_prelude");
   expect_refused(render(box, "hammer-string", "dulcima"), "dulcima: SCORE: no such score ships",
                  "allowed: a .json or .mid file, dulcimer, bach_prelude");
 }
