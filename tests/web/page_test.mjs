@@ -32,9 +32,10 @@ async function withPage(address, use, options) {
   }
 }
 
-/** Sound of messages, rendered offline in the page: `samples` are the left channel. */
-function render(page, instrument, messages, seconds) {
-  return page.evaluate(
+/** Sound of messages, rendered offline in the page: `samples` are the left channel. Samples come as bytes: as a list of
+ * numbers they would take as long as the sound. */
+async function render(page, instrument, messages, seconds) {
+  const { left, right, factor } = await page.evaluate(
     async ([instrument, messages, seconds]) => {
       const { page, renderOffline } = contactSpline;
       const { parameters } = page.instruments.get(instrument);
@@ -42,10 +43,11 @@ function render(page, instrument, messages, seconds) {
       const numbered = messages.map((message) => (message.name ? { ...message, parameter: parameters.findIndex(({ name }) => name === message.name) } : message));
       const began = performance.now();
       const [left, right] = await renderOffline([...first, ...numbered], seconds);
-      return { samples: Array.from(left), right: Array.from(right), factor: (1000 * seconds) / (performance.now() - began) };
+      return { left, right, factor: (1000 * seconds) / (performance.now() - began) };
     },
     [instrument, messages, seconds],
   );
+  return { samples: Array.from(left), right: Array.from(right), factor };
 }
 
 const set = (name, value) => ({ do: "set", name, value });
@@ -292,10 +294,10 @@ const cases = {
             const { page, renderOffline } = contactSpline;
             const { bytes } = page.instrumentEditor.generator.instrument(page.played().text, "instrument.json");
             const [left] = await renderOffline([{ do: "own", bytes }, page.instrumentMessage("own"), ...messages], seconds);
-            return Array.from(left);
+            return left;
           },
           [messages, seconds],
-        );
+        ).then((left) => Array.from(left));
       const [own, tom] = [await ofUser([strike(60, 1)], 0.3), (await render(page, "tom", [strike(60, 1)], 0.3)).samples];
       const apart = largest(own.map((x, i) => x - tom[i])) / largest(tom);
       console.log(`  the text of tom: within ${apart.toExponential(1)} of the tom that ships`);
