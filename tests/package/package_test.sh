@@ -878,12 +878,12 @@ commands_of() {
     grep -vE "$(awk 'NF { sub(/   .*/, ""); print }' <<<"$not_run" | paste -sd '|')" || true
 }
 
-# Leaves commands out that do the same on each page and ran on an earlier one: `list`, and scores that ship.
+# Leaves commands out that do the same on each page and ran on an earlier one: `list`, and scores that ship, with -o and without.
 fresh_commands() {
   local command key
   while IFS= read -r command; do
-    key=$(sed 's/ *#.*//; s/ -o [^ ]*//; s|^build/program/generator/||' <<<"$command")
-    if [[ "$key" =~ ^contactspline\ (list|render\ .*--score\ [a-z_]+$) ]]; then
+    key=$(sed 's/ *#.*//; s/ -o [^ ]*/ -o/; s|^build/program/generator/||' <<<"$command")
+    if [[ "$key" =~ ^contactspline\ (list|render\ [a-z_]+(\ -o)?$) ]]; then
       ! grep -qxF -- "$key" "$WORK/commands that ran" || continue
       echo "$key" >>"$WORK/commands that ran"
     fi
