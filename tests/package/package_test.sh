@@ -271,14 +271,15 @@ case_warnings() {
   install_at "$WORK/prefix"
   need g++
   need clang++
-  local include="$WORK/prefix/include" compiler header included precompiled
+  local include="$WORK/prefix/include" compiler header headers included precompiled
   local options=(-std=c++20 -Werror -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wsign-conversion -Wdouble-promotion "-I$include")
   local templates="$SOURCE/tests/package/every_template.cpp"
   local large="contactspline/step/contact.hpp contactspline/data/string_parts.hpp contactspline/instrument/network_instrument.hpp"
   for header in $large; do
     run clang++ "${options[@]}" -x c++-header "$include/$header" -o "$WORK/${header##*/}.pch"
   done
-  (cd "$include" && what_they_include "$large" contactspline.hpp $(ls contactspline/*/*.hpp | grep -v -e '-inl.hpp$')) >"$WORK/headers"
+  mapfile -t headers < <(cd "$include" && find contactspline.hpp contactspline -name '*.hpp' ! -name '*-inl.hpp' | sort)
+  (cd "$include" && what_they_include "$large" "${headers[@]}") >"$WORK/headers"
   printf '#include <faust/gui/%s.h>\n' UI meta >"$WORK/all.hpp"
   while read -r header included; do
     echo "#include \"$header\"" >>"$WORK/all.hpp"
