@@ -241,30 +241,56 @@ case_cpp17() {
   done
 }
 
-# Every public and every emitted header alone by clang++; all of them together, and every template of theirs, by both
-# compilers: without a warning.
+# Prints the headers that are named, of the working folder, each with the last one of the list $1 that it includes, if any: itself
+# or by other headers, whatever is defined.
+what_they_include() {
+  awk -v large="$1" '
+    function includes(header, other, key, names, n, i) {
+      key = header " " other
+      if (key in known) return known[key]
+      n = split(included[header], names)
+      for (i = 1; i <= n && !known[key]; ++i) known[key] = names[i] == other || includes(names[i], other)
+      return known[key]
+    }
+    FNR == 1 { headers[++count] = FILENAME; depth = 0 }
+    /^#if/ { ++depth }
+    /^#endif/ { --depth }
+    depth == 0 && /^#include "/ { split($0, name, "\""); included[FILENAME] = included[FILENAME] " " name[2] }
+    END {
+      sizes = split(large, others)
+      for (i = 1; i <= count; ++i) {
+        for (k = sizes; k > 0 && !includes(headers[i], others[k]); --k) {}
+        print headers[i], (k > 0 ? others[k] : "")
+      }
+    }' "${@:2}"
+}
+
+# Every public and every emitted header alone by clang++: what it includes of `large` is compiled once, alone too. All of them
+# together and every template of theirs, by both compilers. Without a warning.
 case_warnings() {
   install_at "$WORK/prefix"
   need g++
   need clang++
-  local include="$WORK/prefix/include" compiler header
-  local options=(-std=c++20 -fsyntax-only -Werror -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wsign-conversion
-    -Wdouble-promotion "-I$include")
+  local include="$WORK/prefix/include" compiler header headers included precompiled
+  local options=(-std=c++20 -Werror -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wsign-conversion -Wdouble-promotion "-I$include")
   local templates="$SOURCE/tests/package/every_template.cpp"
-  printf '#include <faust/gui/%s.h>\n' UI meta >"$WORK/all.cpp"
-  for header in "$include"/contactspline.hpp "$include"/contactspline/*/*.hpp; do
-    header="${header#"$include/"}"
-    case "$header" in
-      *-inl.hpp) continue ;;
-      */faust_dsp.hpp) printf '#include <faust/gui/%s.h>\n' UI meta >"$WORK/user.cpp" ;;  # as the header asks for
-      *) : >"$WORK/user.cpp" ;;
-    esac
-    echo "#include \"$header\"" | tee -a "$WORK/all.cpp" >>"$WORK/user.cpp"
-    run clang++ "${options[@]}" "$WORK/user.cpp"
+  local large="contactspline/step/contact.hpp contactspline/data/string_parts.hpp contactspline/instrument/network_instrument.hpp"
+  for header in $large; do
+    run clang++ "${options[@]}" -x c++-header "$include/$header" -o "$WORK/${header##*/}.pch"
   done
+  mapfile -t headers < <(cd "$include" && find contactspline.hpp contactspline -name '*.hpp' ! -name '*-inl.hpp' | sort)
+  (cd "$include" && what_they_include "$large" "${headers[@]}") >"$WORK/headers"
+  printf '#include <faust/gui/%s.h>\n' UI meta >"$WORK/all.hpp"
+  while read -r header included; do
+    echo "#include \"$header\"" >>"$WORK/all.hpp"
+    printf '#include "%s"\n' "$header" >"$WORK/user.cpp"
+    [[ "$header" != */faust_dsp.hpp ]] || sed -i '1i #include <faust/gui/UI.h>\n#include <faust/gui/meta.h>' "$WORK/user.cpp"  # as it asks for
+    precompiled=()
+    [ -z "$included" ] || precompiled=(-include-pch "$WORK/${included##*/}.pch")
+    run clang++ "${options[@]}" -fsyntax-only "${precompiled[@]}" "$WORK/user.cpp"
+  done <"$WORK/headers"
   for compiler in g++ clang++; do
-    run "$compiler" "${options[@]}" "$WORK/all.cpp"
-    run "$compiler" "${options[@]}" "$templates"
+    run "$compiler" "${options[@]}" -fsyntax-only -include "$WORK/all.hpp" "$templates"
   done
   # A class that the list of templates lacks.
   for header in $(public_headers "$include"); do
@@ -853,12 +879,12 @@ commands_of() {
     grep -vE "$(awk 'NF { sub(/   .*/, ""); print }' <<<"$not_run" | paste -sd '|')" || true
 }
 
-# Leaves commands out that do the same on each page and ran on an earlier one: `list`, and scores that ship.
+# Leaves commands out that do the same on each page and ran on an earlier one: `list`, and scores that ship, with -o and without.
 fresh_commands() {
   local command key
   while IFS= read -r command; do
-    key=$(sed 's/ *#.*//; s/ -o [^ ]*//; s|^build/program/generator/||' <<<"$command")
-    if [[ "$key" =~ ^contactspline\ (list|render\ .*--score\ [a-z_]+$) ]]; then
+    key=$(sed 's/ *#.*//; s/ -o [^ ]*/ -o/; s|^build/program/generator/||' <<<"$command")
+    if [[ "$key" =~ ^contactspline\ (list|render\ [a-z_]+(\ -o)?$) ]]; then
       ! grep -qxF -- "$key" "$WORK/commands that ran" || continue
       echo "$key" >>"$WORK/commands that ran"
     fi
