@@ -8,6 +8,7 @@
 
 #include "contactspline/instrument/instruments_of.hpp"
 #include "contactspline/instrument/keyboard_instrument.hpp"
+#include "generated/cello.hpp"
 #include "generated/classical_guitar.hpp"
 #include "generated/dulcimer_g4.hpp"
 #include "generated/felt_c4.hpp"
@@ -24,6 +25,7 @@
 #include "generated/tanpura.hpp"
 #include "generated/tom.hpp"
 #include "generated/trichord_c4.hpp"
+#include "generated/violin.hpp"
 
 namespace contactspline::web {
 
@@ -86,6 +88,8 @@ void each_instrument_of_a_file(const Visitor& visit) {
   visit.template operator()<instruments::marimba_tube>();
   visit.template operator()<instruments::snare>();
   visit.template operator()<instruments::tom>();
+  visit.template operator()<instruments::violin>();
+  visit.template operator()<instruments::cello>();
 }
 
 }  // namespace contactspline::web
