@@ -19,6 +19,7 @@
 
 #include "contactspline/data/timed_event.hpp"
 #include "contactspline/host/any_instrument.hpp"
+#include "contactspline/host/model_module.hpp"
 #include "contactspline/host/oversampled.hpp"
 #include "contactspline/host/replaceable.hpp"
 #include "contactspline/host/sleeper.hpp"
@@ -303,6 +304,23 @@ contactspline_instrument* contactspline_create_from_json(const char* text, const
     require_text(text, "text");
     require_text(file, "file");
     return maker_of_text(text, file);
+  });
+}
+
+// For plug-ins, in C++: GetHandle in model_module.hpp.
+void* contactspline_handle(const char* text, const char* file, double sample_rate_hz, int precision,
+                           const ModelModule& caller) {
+  return tried([&]() -> void* {
+    const ModelModule own;
+    if (!std::ranges::equal(own.version, caller.version) || own.layout != caller.layout ||
+        std::string_view(own.compiler) != caller.compiler)
+      throw BadInput(
+          fmt::format("contactspline: libcontactspline {} by {} is of another build; allowed: {}.{}.{} by {}",
+                      contactspline_version(), own.compiler, caller.version[0], caller.version[1], caller.version[2],
+                      caller.compiler));
+    const InstrumentMaker maker = maker_of_text(text, file);
+    if (precision == CONTACTSPLINE_DOUBLE) return maker.make<double>(sample_rate_hz).release();
+    return maker.make<float>(sample_rate_hz).release();
   });
 }
 

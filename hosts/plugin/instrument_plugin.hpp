@@ -26,6 +26,7 @@
 #include "contactspline/step/controls.hpp"
 #include "contactspline/step/flush_denormals.hpp"
 #include "contactspline/step/version.hpp"
+#include "watched_file.hpp"
 #include "windowed_plugin.hpp"
 
 namespace contactspline {
@@ -54,8 +55,8 @@ struct PluginInstrument {
 /// parameters to their first values. Left and right are the outputs whose names begin with left_ and right_; without
 /// them the first output is on both sides. Behind the volume stand what hosts can only read: the peak of each output,
 /// in its unit, which falls within 0.3 s. The last two are the oversampling, whose change a thread of its own
-/// prepares and the instrument takes while it sounds, and the latency, to read. While a window watches, it tells it
-/// what the contacts do.
+/// prepares and the instrument takes while it sounds, and the latency, to read. That thread also watches the
+/// instrument's file (watched_file.hpp). While a window watches, it tells it what the contacts do.
 template <std::floating_point T>
 class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlugin {
  public:
@@ -67,6 +68,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
             static_cast<std::uint32_t>(this->numbers.size() + 3 + this->hosted.instrument().outputs().size()),
             static_cast<std::uint32_t>(std::max<std::size_t>(1, this->hosted.instrument().presets().size())), 0),
         make_(make),
+        file_(instrument().name()),
         volume_index_(this->numbers.size()),
         oversampling_index_(volume_index_ + 1 + instrument().outputs().size()),
         factors_(all_factors()),
@@ -93,7 +95,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
   static constexpr std::size_t kBlock = 256;  // samples
   static constexpr double kPeakTime_s = 0.3;
   static constexpr double kMaxRate_hz = 768000;          // of an instrument
-  static constexpr std::chrono::milliseconds kLook{20};  // at the oversampling
+  static constexpr std::chrono::milliseconds kLook{20};  // at the oversampling and the file
 
   // What a host has set, on any thread.
   struct HostValue {
@@ -245,11 +247,14 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     return latencies;
   }
 
-  // Replaces the instrument where it has another oversampling. Not on the audio thread.
-  void oversample() {
+  // Replaces the instrument where it has another oversampling or its file has changed. Not on the audio thread.
+  void renew() {
     const int factor = possible_oversampling();
-    if (factor == std::exchange(made_oversampling_, factor)) return;
-    Handle<T> next = std::make_unique<Oversampled<T>>(make_(), factor);
+    const double rate_hz = factor * getSampleRate();
+    Handle<T> next = file_.changed(rate_hz);
+    if (factor == std::exchange(made_oversampling_, factor) && !next) return;
+    if (!next) next = file_.last(rate_hz);
+    next = std::make_unique<Oversampled<T>>(next ? std::move(next) : make_(), factor);
     next->prepare(getSampleRate());
     this->replaceable.offer(std::move(next));
   }
@@ -265,12 +270,12 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     end_thread();
     for (HostValue& value : values_) value.is_new = true;
     take_values();
-    oversample();
+    renew();
     setLatency(latency());
     this->hosted.prepare(getSampleRate());
     is_active_ = true;
     thread_ = std::thread([this] {
-      for (; is_active_; std::this_thread::sleep_for(kLook)) oversample();
+      for (; is_active_; std::this_thread::sleep_for(kLook)) renew();
     });
     volume_ = volume_target_;
     for (Peak& peak : peaks_) peak.fallen = 0;
@@ -356,6 +361,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
   }
 
   Make& make_;
+  WatchedFile<T> file_;
   std::size_t volume_index_, oversampling_index_;
   const std::array<std::uint32_t, std::size(kOversamplings)> latencies_ = all_latencies();  // samples
   std::atomic<int> oversampling_ = 1;                                                       // that the host wants

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: MIT
 // What hosts stumbled over: classes, features, units, hidden parameters, scales, values within a block, readings,
 // state.
+#include <unistd.h>
+
 #include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <thread>
 
 #include "contactspline/host/hosted.hpp"
@@ -10,9 +15,11 @@
 #include "contactspline/instruments/trichord_c4.hpp"
 #include "contactspline/materials/felt_c4.hpp"
 #include "contactspline/resonators/string_c4.hpp"
+#include "generator/support/input_file.hpp"
 #include "plugins/open_plugin.hpp"
 #include "plugins/reference.hpp"
 #include "support/compare.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -178,6 +185,62 @@ TEST(EveryFormat, IsOversampledWhileItSounds) {
       }
     }
   }
+}
+
+// A file of the plug-in's instrument, in a folder that the environment names, is played in the place of what was
+// built in, and follows each change while a note rings. A damaged file changes nothing.
+TEST(EveryFormat, FollowsAWatchedFileWhileItSounds) {
+  if (!HAS_C_LIBRARY) GTEST_SKIP() << "the library for C reads the file";
+  constexpr double kRateOfFiles = 44100;  // below half of it are the modes that are built in
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("contactspline_watch_" + std::to_string(::getpid()));
+  std::filesystem::create_directory(folder);
+  const std::string text = read_input(INSTRUMENTS "/trichord_c4.json");
+  const auto save = [&](const char* mass) {
+    const std::string from = R"("name": "hammer", "mass_kg": 0.00891)";
+    std::string changed = text;
+    changed.replace(changed.find(from), from.size(), R"("name": "hammer", "mass_kg": )" + std::string(mass));
+    std::ofstream(folder / "new") << changed;
+    std::filesystem::rename(folder / "new", folder / "trichord_c4.json");
+  };
+  const auto note = [](HostedPlugin& plugin) {
+    plugin.send(0, {0x90, 60, 100});
+    return plugin.run(20)[0];
+  };
+  const auto built_in = open_plugin("clap", "trichord_c4", kRateOfFiles);
+  const std::vector<float> expected = note(*built_in);
+  save("0.00891");
+  ::setenv("CONTACTSPLINE_WATCH", folder.c_str(), 1);
+  std::vector<double> milliseconds;
+  for (const char* format : {"clap", "vst3", "lv2"}) {
+    SCOPED_TRACE(format);
+    const auto plugin = open_plugin(format, "trichord_c4", kRateOfFiles);
+    for (int change = 0; change < 4; ++change) {
+      const std::vector<float> played = note(*plugin);
+      EXPECT_EQ(agreement_db<float>(played, expected) >= 100, change % 2 == 0)
+          << agreement_db<float>(played, expected);
+      save("-1");
+      for (int block = 0; block < 20; ++block) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(4));
+        EXPECT_NE(plugin->run(1)[0], std::vector<float>(kBlock)) << "it plays on beside a damaged file";
+      }
+      save(change % 2 == 0 ? "0.02" : "0.00891");
+      const auto saved = std::chrono::steady_clock::now();
+      const auto elapsed = [&] {
+        return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - saved).count();
+      };
+      while (plugin->run(1)[0] != std::vector<float>(kBlock) && elapsed() < 10000)
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      milliseconds.push_back(elapsed());
+    }
+    EXPECT_EQ(plugin->allocated(), 0u);
+    EXPECT_EQ(plugin->locked(), 0u);
+  }
+  std::ranges::sort(milliseconds);
+  Measured() << "from the file to the sound " << milliseconds[6] << " ms, at most " << milliseconds.back() << " ms";
+  EXPECT_LT(milliseconds[6], 100);
+  ::unsetenv("CONTACTSPLINE_WATCH");
+  std::filesystem::remove_all(folder);
 }
 
 // 8 times 192 kHz is no rate of an instrument, 4 times is.
