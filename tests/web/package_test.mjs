@@ -154,6 +154,24 @@ const cases = {
     }
   },
 
+  // The program takes the delay of an oversampled score away.
+  "an oversampled instrument plays the samples of the program, late": async () => {
+    for (const oversample of [2, 8]) {
+      const player = await Player.create("tom", kRate, { oversample });
+      const { parameters, events } = player.description;
+      const { name: event, init } = parameters[events[0].parameter];
+      player.strike(events[0].name);
+      const fullScale = fullScaleOf(program, "tom");
+      const played = Array.from(blocks(player, 64)[0].subarray(player.latency), (x) => x * fullScale);
+      const expected = rendered(program, "tom", event, init, { oversample }).slice(0, played.length);
+      assertEqualSound("tom", played.slice(0, expected.length), expected);
+      assert.notEqual(player.latency, 0);
+      player.close();
+    }
+    await assert.rejects(Player.create("tom", kRate, { oversample: 3 }), { message: "contactspline: oversample: 3 is unknown; allowed: 1, 2, 4, 8" });
+    await assert.rejects(Player.create("tom", 192000, { oversample: 8 }), /sampleRate times oversample: 1536000 is out of range/);
+  },
+
   "MIDI files are played as by the program": async () => {
     for (const [name, bytes] of Object.entries(kMidiFiles)) {
       const [instrument, fullScale] = name.includes("pedal") ? ["lap_steel", fullScaleOf(program, "lap_steel")] : ["piano", 1 / 12];

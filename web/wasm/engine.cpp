@@ -199,8 +199,15 @@ CONTACTSPLINE_WEB(std::byte*, engine_own_instrument, int bytes) {
   return own.data();
 }
 
-/// Makes an instrument, at rest, which the functions below play. 0 if there is none of this number. Allocates.
-CONTACTSPLINE_WEB(int, engine_choose, int number, double sample_rate_hz) {
+/// How late an instrument is that runs so many times finer [samples].
+CONTACTSPLINE_WEB(int, engine_latency, int factor) {
+  return static_cast<int>(Decimator<float>(factor).delay());
+}
+
+/// Makes an instrument, at rest, which the functions below play, and runs it 1, 2, 4 or 8 times finer. 0 if there is none
+/// of this number. Allocates.
+CONTACTSPLINE_WEB(int, engine_choose, int number, double sample_rate_hz, int factor) {
+  oversampling = factor;
   auto next = instrument(number);
   if (!next) return 0;
   next->prepare(sample_rate_hz);
@@ -237,6 +244,7 @@ CONTACTSPLINE_WEB(void, engine_pan, int number, double pan) {
 /// Forgets what plays, the material and the user's own instrument, as if it had just been started.
 CONTACTSPLINE_WEB(void, engine_restart) {
   voices.clear();
+  oversampling = 1;
   material = Material{};
   if (!own.empty()) instruments().pop_back();
   own.clear();

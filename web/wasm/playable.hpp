@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "contactspline/host/hosted.hpp"
+#include "contactspline/host/oversampled.hpp"
 #include "generated/piano.hpp"
 #include "web/wasm/door.hpp"
 #include "web/wasm/energy_books.hpp"
@@ -45,6 +46,9 @@ class Playable {
   [[nodiscard]] virtual const Books* books() const = 0;
   virtual void watch_none() = 0;
 };
+
+/// How many times finer than their host the instruments run that are made from now on: one of kOversamplings.
+inline int oversampling = 1;
 
 /// Where the velocity of a key multiplies a parameter, that is played as it is.
 template <typename I>
@@ -105,7 +109,7 @@ class PlayableBehind final : public Playable {
   explicit PlayableBehind(Args&&... args)
       : PlayableBehind(std::make_unique<InstrumentBehind<I>>(std::forward<Args>(args)...)) {}
   explicit PlayableBehind(std::unique_ptr<InstrumentBehind<I>> behind)
-      : own_(behind->instrument()), hosted_(std::move(behind)) {
+      : own_(behind->instrument()), hosted_(at_oversampling(std::move(behind))) {
     const std::span<const Output> outputs = hosted_.instrument().outputs();
     left_ = output_beginning(outputs, "left_", otherwise);
     right_ = output_beginning(outputs, "right_", left_);
@@ -160,6 +164,11 @@ class PlayableBehind final : public Playable {
   }
 
  private:
+  static Handle<T> at_oversampling(Handle<T> handle) {
+    if (oversampling == 1) return handle;
+    return std::make_unique<Oversampled<T>>(std::move(handle), oversampling);
+  }
+
   I& own_;  // what hosted_ plays, of its class
   Hosted<T> hosted_;
   std::size_t left_, right_;    // among the outputs

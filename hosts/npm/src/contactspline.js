@@ -27,12 +27,13 @@ function numberOf(parameters) {
 
 export class ContactSpline extends playable(globalThis.AudioWorkletNode ?? Object) {
   /** An instrument at rest, by its name or { text, file } of an instrument file. Throws bad input. */
-  static async create(context, instrument, { report, isLimited = false } = {}) {
-    const { description, number, messages } = await findInstrument(instrument, context.sampleRate);
-    const first = [...messages, { do: "instrument", number, gain: 1 }];
+  static async create(context, instrument, { report, isLimited = false, oversample = 1 } = {}) {
+    const { description, number, messages, latency } = await findInstrument(instrument, context.sampleRate, oversample);
+    const first = [...messages, { do: "instrument", number, gain: 1, oversample }];
     if (!report) first.push({ do: "watchNone" });
     const node = await this.open(context, kFiles.processor, await moduleOf(kFiles.engine), first, { description, isLimited, isReported: Boolean(report) });
     node.heard.report = report;
+    node.latency = latency;
     await node.sent();
     return node;
   }
