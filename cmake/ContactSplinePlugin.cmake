@@ -420,7 +420,7 @@ function(contactspline_plugin)
 "@includes@#include \"instrument_plugin.hpp\"
 
 DISTRHO_NAMESPACE::Plugin* DISTRHO_NAMESPACE::createPlugin() {
-  return new contactspline::InstrumentPlugin(@handle@);
+  return new contactspline::InstrumentPlugin(+[] { return @handle@(); });
 }
 ")
   # The instrument's side is the same in all formats: see without_states.hpp.

@@ -62,7 +62,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
  public:
   using Make = Handle<T>();
 
-  explicit InstrumentPlugin(Make& make)
+  explicit InstrumentPlugin(Make* make)
       : detail::PluginInstrument<T>(std::make_unique<Replaceable<T>>(make())),
         WindowedPlugin(
             static_cast<std::uint32_t>(this->numbers.size() + 3 + this->hosted.instrument().outputs().size()),
@@ -360,7 +360,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     return factors;
   }
 
-  Make& make_;
+  Make* make_;
   WatchedFile<T> file_;
   std::size_t volume_index_, oversampling_index_;
   const std::array<std::uint32_t, std::size(kOversamplings)> latencies_ = all_latencies();  // samples

@@ -74,7 +74,7 @@ class Replaceable final : public AnyInstrument<T> {
 
   /// Not on the audio thread. What is offered takes its place without a fade.
   void prepare(double sample_rate_hz) override {
-    fade_ = static_cast<std::size_t>(std::max(1.0, std::round(kFade_s * sample_rate_hz)));
+    fade_ = static_cast<std::size_t>((std::max)(1.0, std::round(kFade_s * sample_rate_hz)));
     end_fade();
     if (Player* const next = offered_.exchange(nullptr, std::memory_order_acq_rel)) begin(next);
     end_fade();
