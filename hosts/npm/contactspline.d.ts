@@ -96,6 +96,9 @@ interface Playable {
   loadPreset(name: string): void;
   /** The material of all later strikes. */
   useMaterial(design: Design): void;
+  /** Lets the instrument of another text take the place of this one, also while it sounds: what rings fades out within 10 ms,
+   * parameters that have been set stay. The description stays, too: what both have by the same name is played. */
+  replace(instrument: { text: string; file?: string }): Promise<void>;
 }
 
 /** An instrument as a node, whose `parameters` are those of its description, by their names. */

@@ -27,6 +27,7 @@ for (const { time, bytes } of generator.readMidi(new Uint8Array(99), "song.mid")
 const player = await Player.create({ text: line, file: "mine.json" }, 48000, { oversample: 4 });
 player.strike(player.description.events[0].name, 2.5);
 player.useMaterial(generator.design(generator.materials().felt_c4, "felt_c4.json"));
+await piano.replace({ text: line }), await player.replace({ text: line, file: "mine.json" });
 player.tune(generator.readTuning({ scale: line, a4: 442 })), player.tune(null);
 const [left, right, force]: Float32Array[] = player.process(64);
 const sum: number = left[0] + right[0] + force[0] + player.energy() + player.sampleRate + player.latency + piano.latency;

@@ -36,6 +36,8 @@ export function startEngine(module, sampleRate = 44100) {
     latency: (oversample) => exports.engine_latency(oversample),
     /** Makes an instrument, which runs 1, 2, 4 or 8 times finer: call it before one of the functions below. */
     choose: (number, rate = sampleRate, oversample = 1) => exports.engine_choose(number, rate, oversample) === 1,
+    /** Lets the instrument of a user's file take the place of the one that plays, while it sounds. */
+    replace: () => exports.engine_replace() === 1,
     /** Adds a voice: the instrument once more, its strings tuned by so many cents, or with the one of this number in
      * strings(), plucked at pluck_m, over which a slide rests at height_m, or struck by a hammer, with a damper: the dulcimer's
      * where they are not given. Returns whether it can be. */

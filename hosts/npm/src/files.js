@@ -49,6 +49,16 @@ let shipped = null;
 /** The descriptions of all instruments that ship (web/wasm/playable.hpp). */
 export const instruments = async () => (shipped ??= (await describer()).instruments());
 
+/** What an engine takes of { text, file } of an instrument file. Throws bad input. */
+export async function bytesOf(instrument, rate) {
+  const { text, file = "instrument.json" } = instrument ?? {};
+  if (typeof text !== "string" || typeof file !== "string")
+    throw badInput("instrument", instrument instanceof Object ? "has no text" : `${String(instrument)} is no instrument`, "a name such as piano, or { text, file } of an instrument file");
+  const { error, bytes } = (await loadGenerator()).instrument(text, file, { sampleRate: rate });
+  if (error !== undefined) throw new Error(error);
+  return bytes;
+}
+
 /** An instrument by its name, or by { text, file } of an instrument file, that runs so many times finer: its description, its
  * number in an engine, the messages that an engine takes before, and how late it is [samples]. Throws bad input. */
 export async function findInstrument(instrument, sampleRate, oversample) {
@@ -60,11 +70,7 @@ export async function findInstrument(instrument, sampleRate, oversample) {
     const number = indexOf("instrument", instrument, all);
     return { description: all[number], number, messages: [], latency };
   }
-  const { text, file = "instrument.json" } = instrument ?? {};
-  if (typeof text !== "string" || typeof file !== "string")
-    throw badInput("instrument", instrument instanceof Object ? "has no text" : `${String(instrument)} is no instrument`, "a name such as piano, or { text, file } of an instrument file");
-  const { error, bytes } = (await loadGenerator()).instrument(text, file, { sampleRate: rate });
-  if (error !== undefined) throw new Error(error);
+  const bytes = await bytesOf(instrument, rate);
   const engine = await describer();
   engine.takeInstrument(bytes);
   return { description: engine.instruments().at(-1), number: all.length, messages: [{ do: "own", bytes }], latency };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // An instrument without Web Audio, in Node or anywhere: blocks of samples, when they are asked for.
 import { startEngine } from "./engine.js";
-import { findInstrument, kFiles, kRates, moduleOf } from "./files.js";
+import { bytesOf, findInstrument, kFiles, kRates, moduleOf } from "./files.js";
 import { badInput, indexOf, numberWithin, parameterValue, play, playable, wholeNumberWithin } from "./messages.js";
 
 const idle = []; // engines that no player has
@@ -21,7 +21,13 @@ export class Player extends playable(Object) {
     const engine = idle.pop() ?? startEngine(module);
     for (const message of messages) play(engine, message);
     engine.choose(number, sampleRate, oversample);
-    return Object.assign(new Player(), { description, sampleRate, latency, engine });
+    return Object.assign(new Player(), { description, sampleRate, latency, rate: sampleRate * oversample, engine });
+  }
+
+  /** Lets the instrument of { text, file } take the place of this one, also while it sounds. Throws bad input. */
+  async replace(instrument) {
+    this.send({ do: "own", bytes: await bytesOf(instrument, this.rate) });
+    this.send({ do: "replace" });
   }
 
   send(message) {
