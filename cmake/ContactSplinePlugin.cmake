@@ -245,13 +245,21 @@ function(_contactspline_framework_source name)
 endfunction()
 
 # Writes instrument_clap.cpp into a folder: the framework's source. It allocates its queue of clicks by malloc() and frees
-# it by delete[]. The functions that clap.cpp defines itself get another name there.
+# it by delete[], and needs a host that hears of latencies. The functions that clap.cpp defines itself get another name there.
 function(_contactspline_clap_source folder)
   _contactspline_framework_source(CLAP)
-  string(REPLACE "delete[] events;" "std::free(events);" changed "${text}")
-  if(changed STREQUAL text)
-    _contactspline_fail("${framework} has no 'delete[] events;'; allowed: version 1.6 of the framework")
-  endif()
+  set(changed "${text}")
+  foreach(pair "delete[] events|std::free(events)"
+          "fHostExtensions.latency->changed(fHost)|if (fHostExtensions.latency != nullptr) fHostExtensions.latency->changed(fHost)")
+    string(REPLACE "|" ";" pair "${pair}")
+    list(GET pair 0 old)
+    list(GET pair 1 new)
+    string(REPLACE "${old};" "${new};" text "${changed}")
+    if(changed STREQUAL text)
+      _contactspline_fail("${framework} has no '${old};'; allowed: version 1.6 of the framework")
+    endif()
+    set(changed "${text}")
+  endforeach()
   # Where the framework takes the address of one, it gets that of clap.cpp.
   foreach(name plugin_reset plugin_process plugin_get_extension plugin_params_get_info plugin_params_get_value
           plugin_params_value_to_text plugin_params_text_to_value plugin_params_flush plugin_state_save plugin_state_load
@@ -391,6 +399,7 @@ function(_contactspline_plugin_format format)
       COMMAND sed -zi -E -e "s/\\r//g; s/ ,\\n *<http:..kxstudio[^>]*>//; s/ *mod:(brand|label) [^\\n]*\\n//g"
               -e "s/(requiredFeature) opts:options ,\\n */\\1 /; s/(optionalFeature) /\\1 opts:options, /"
               -e "s/(ui:binary <[^>]*)(\\.[a-z]+>)/\\1_ui\\2/"
+              -e "s/(lv2:symbol .latency. ;)/\\1 lv2:designation lv2:latency ; lv2:portProperty lv2:reportsLatency ;/"
               ${arg_TARGET}.ttl presets.ttl manifest.ttl
       WORKING_DIRECTORY "${folder}"
       COMMENT "Describing ${arg_TARGET}.lv2"
@@ -411,7 +420,7 @@ function(contactspline_plugin)
 "@includes@#include \"instrument_plugin.hpp\"
 
 DISTRHO_NAMESPACE::Plugin* DISTRHO_NAMESPACE::createPlugin() {
-  return new contactspline::InstrumentPlugin(@handle@());
+  return new contactspline::InstrumentPlugin(+[] { return @handle@(); });
 }
 ")
   # The instrument's side is the same in all formats: see without_states.hpp.

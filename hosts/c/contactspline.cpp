@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <new>
@@ -18,7 +19,9 @@
 
 #include "contactspline/data/timed_event.hpp"
 #include "contactspline/host/any_instrument.hpp"
+#include "contactspline/host/model_module.hpp"
 #include "contactspline/host/oversampled.hpp"
+#include "contactspline/host/replaceable.hpp"
 #include "contactspline/host/sleeper.hpp"
 #include "contactspline/host/tuned_keys.hpp"
 #include "contactspline/step/controls.hpp"
@@ -49,8 +52,10 @@ struct Blocks {
 /// An instrument of one precision with its blocks.
 template <typename T>
 struct Player {
-  explicit Player(Handle<T> handle) : sleeper(std::move(handle)), blocks(instrument().outputs().size()) {}
+  explicit Player(std::unique_ptr<Replaceable<T>> handle)
+      : replaceable(*handle), sleeper(std::move(handle)), blocks(instrument().outputs().size()) {}
   [[nodiscard]] const AnyInstrument<T>& instrument() const { return sleeper.instrument(); }
+  Replaceable<T>& replaceable;  // which the sleeper owns
   Sleeper<T> sleeper;
   Blocks<T> blocks;
 };
@@ -84,7 +89,7 @@ const Row* row_of(const std::vector<Row>& list, std::size_t index) {
 
 struct contactspline_instrument {
   template <typename T>
-  contactspline_instrument(Handle<T> handle, InstrumentMaker makes, double rate_hz)
+  contactspline_instrument(std::unique_ptr<Replaceable<T>> handle, InstrumentMaker makes, double rate_hz)
       : parameters(listed(handle->parameters())),
         outputs(listed(handle->outputs())),
         events(listed(handle->events())),
@@ -128,7 +133,7 @@ struct contactspline_instrument {
   TunedKeys tuned_keys = {};
   InstrumentMaker maker;
   double sample_rate_hz;
-  std::size_t latency = 0;
+  std::atomic<std::size_t> latency = 0;
 };
 
 namespace {
@@ -151,18 +156,16 @@ std::size_t number_of(int key) {
 }
 
 template <typename T>
-Handle<T> prepared(const InstrumentMaker& maker, double sample_rate_hz) {
-  auto instrument = maker.make<T>(sample_rate_hz);
+std::unique_ptr<Replaceable<T>> prepared(const InstrumentMaker& maker, double sample_rate_hz) {
+  auto instrument = std::make_unique<Replaceable<T>>(maker.make<T>(sample_rate_hz));
   instrument->prepare(sample_rate_hz);
   return instrument;
 }
 
-// The same at a multiple of the rate, with the values of another one's parameters.
+// The same at a multiple of the rate.
 template <typename T>
-std::unique_ptr<Oversampled<T>> oversampled(const contactspline_instrument& like, const AnyInstrument<T>& values,
-                                            int factor) {
+std::unique_ptr<Oversampled<T>> oversampled(const contactspline_instrument& like, int factor) {
   auto made = std::make_unique<Oversampled<T>>(like.maker.make<T>(factor * like.sample_rate_hz), factor);
-  for (std::size_t p = 0; p < like.parameters.size(); ++p) made->set(p, values.value(p));
   made->prepare(like.sample_rate_hz);
   return made;
 }
@@ -211,7 +214,7 @@ void require_text(const char* text, const char* argument) {
 // at most kBlock samples.
 template <typename T, typename Sample>
 void process_part(Player<T>& player, Sample* const* outputs, Sample* force, std::size_t begin, std::size_t samples) {
-  auto& [sleeper, blocks] = player;
+  Blocks<T>& blocks = player.blocks;
   const auto block = [&](Sample* wanted, std::array<T, kBlock>& scratch) -> std::span<T> {
     if (wanted == nullptr) return {};
     if constexpr (std::is_same_v<T, Sample>)
@@ -226,7 +229,7 @@ void process_part(Player<T>& player, Sample* const* outputs, Sample* force, std:
   for (std::size_t o = 0; o < blocks.spans.size(); ++o)
     blocks.spans[o] = block(outputs != nullptr ? outputs[o] : nullptr, blocks.scratch[o]);
   const std::span<T> force_block = block(force, blocks.force);
-  sleeper.process(blocks.spans, force_block, samples);
+  player.sleeper.process(blocks.spans, force_block, samples);
   for (std::size_t o = 0; o < blocks.spans.size(); ++o)
     if (!blocks.spans[o].empty()) hand_over(outputs[o], blocks.spans[o]);
   if (force != nullptr) hand_over(force, force_block);
@@ -304,6 +307,23 @@ contactspline_instrument* contactspline_create_from_json(const char* text, const
   });
 }
 
+// For plug-ins, in C++: GetHandle in model_module.hpp.
+void* contactspline_handle(const char* text, const char* file, double sample_rate_hz, int precision,
+                           const ModelModule& caller) {
+  return tried([&]() -> void* {
+    const ModelModule own;
+    if (!std::ranges::equal(own.version, caller.version) || own.layout != caller.layout ||
+        std::string_view(own.compiler) != caller.compiler)
+      throw BadInput(
+          fmt::format("contactspline: libcontactspline {} by {} is of another build; allowed: {}.{}.{} by {}",
+                      contactspline_version(), own.compiler, caller.version[0], caller.version[1], caller.version[2],
+                      caller.compiler));
+    const InstrumentMaker maker = maker_of_text(text, file);
+    if (precision == CONTACTSPLINE_DOUBLE) return maker.make<double>(sample_rate_hz).release();
+    return maker.make<float>(sample_rate_hz).release();
+  });
+}
+
 int contactspline_oversample(contactspline_instrument* instrument, int factor) {
   if (instrument == nullptr) return 0;
   return tried([&] {
@@ -313,21 +333,37 @@ int contactspline_oversample(contactspline_instrument* instrument, int factor) {
       throw BadInput(fmt::format("contactspline: factor: {} times {:.6g} Hz is out of range; allowed: up to {} Hz",
                                  factor, instrument->sample_rate_hz, kSampleRates_hz.max));
     std::visit(
-        [&]<typename T>(const Player<T>& player) {
-          auto handle = oversampled<T>(*instrument, player.instrument(), factor);
+        [&]<typename T>(Player<T>& player) {
+          auto handle = oversampled<T>(*instrument, factor);
           instrument->latency = handle->latency();
-          instrument->parameters = listed(handle->parameters());
-          instrument->outputs = listed(handle->outputs());
-          instrument->events = listed(handle->events());
-          instrument->tuned_keys.drop_notes();
-          instrument->player.emplace<Player<T>>(std::move(handle));
+          player.replaceable.offer(std::move(handle));
         },
         instrument->player);
     return 1;
   });
 }
+int contactspline_replace(contactspline_instrument* instrument, contactspline_instrument* other) {
+  if (instrument == nullptr) return 0;
+  return tried([&] {
+    if (other == nullptr || other == instrument)
+      throw BadInput(fmt::format("contactspline: other: is {}; allowed: an instrument",
+                                 other == nullptr ? "null" : "the instrument itself"));
+    if (other->sample_rate_hz != instrument->sample_rate_hz || other->player.index() != instrument->player.index())
+      throw BadInput(fmt::format("contactspline: other: differs in rate or precision; allowed: {:.6g} Hz, in {}",
+                                 instrument->sample_rate_hz, instrument->player.index() == 0 ? "double" : "float"));
+    std::visit(
+        [&]<typename T>(Player<T>& player) {
+          player.replaceable.offer(std::get<Player<T>>(other->player).sleeper.release());
+        },
+        instrument->player);
+    instrument->maker = other->maker;
+    instrument->latency = other->latency.load();
+    delete other;
+    return 1;
+  });
+}
 std::size_t contactspline_latency(const contactspline_instrument* instrument) {
-  return instrument == nullptr ? 0 : instrument->latency;
+  return instrument == nullptr ? 0 : instrument->latency.load();
 }
 
 void contactspline_destroy(contactspline_instrument* instrument) {

@@ -86,8 +86,14 @@ contactspline_instrument* contactspline_create(const char* name, double sample_r
 contactspline_instrument* contactspline_create_from_json(const char* text, const char* file, double sample_rate_hz,
                                                          int precision);
 
-/** Makes an instrument anew that runs at 1, 2, 4 or 8 times its rate, for contacts that are too short for it; its
- * parameters keep their values. Returns 1; 0 where it fails. Allocates: play nothing meanwhile. */
+/** Lets `other`, a new instrument of the same rate and precision, take the place of an instrument at its next event or
+ * block, also while another thread plays it: what it rings fades out within 10 ms, and parameters that have been set
+ * keep their values. Its lists stay; what both have by the same name is played. Ends `other`. Returns 1; 0 where it
+ * fails, and all is as before. Allocates; one thread at a time. */
+int contactspline_replace(contactspline_instrument* instrument, contactspline_instrument* other);
+
+/** Replaces an instrument in the same way by one that runs at 1, 2, 4 or 8 times its rate, for contacts that are too
+ * short for it. Returns 1; 0 where it fails. */
 int contactspline_oversample(contactspline_instrument* instrument, int factor);
 
 /** How late its outputs and its force are, because it is oversampled [samples]: 0, 34, 37 or 38. */

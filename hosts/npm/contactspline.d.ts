@@ -72,11 +72,17 @@ export interface Options {
   report?: (report: Report) => void;
   /** Bend samples beyond half of full scale, so that none is beyond it? */
   isLimited?: boolean;
+  oversample?: Oversample;
 }
+
+/** How many times finer than its host an instrument runs, for contacts that are too short for the rate. */
+export type Oversample = 1 | 2 | 4 | 8;
 
 /** What plays an instrument. A time that has passed, as 0, is now. */
 interface Playable {
   readonly description: Description;
+  /** How late it is, because it is oversampled [samples]: 0, 34, 37 or 38. */
+  readonly latency: number;
   /** velocity: 0 to 1. Keys that the instrument lacks do nothing. */
   noteOn(key: number, velocity?: number, time?: number): void;
   noteOff(key: number, time?: number): void;
@@ -90,6 +96,9 @@ interface Playable {
   loadPreset(name: string): void;
   /** The material of all later strikes. */
   useMaterial(design: Design): void;
+  /** Lets the instrument of another text take the place of this one, also while it sounds: what rings fades out within 10 ms,
+   * parameters that have been set stay. The description stays, too: what both have by the same name is played. */
+  replace(instrument: { text: string; file?: string }): Promise<void>;
 }
 
 /** An instrument as a node, whose `parameters` are those of its description, by their names. */
@@ -107,7 +116,7 @@ export class ContactSpline extends AudioWorkletNode {
 export interface Player extends Playable {}
 export class Player {
   private constructor();
-  static create(instrument: Source, sampleRate?: number): Promise<Player>;
+  static create(instrument: Source, sampleRate?: number, options?: { oversample?: Oversample }): Promise<Player>;
   readonly sampleRate: number;
   /** Samples, left and right, and the sum of the contact forces [N]. Up to 128 are views that the next call changes. */
   process(samples?: number): [left: Float32Array, right: Float32Array, force: Float32Array];

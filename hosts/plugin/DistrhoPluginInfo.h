@@ -14,6 +14,8 @@
 #define DISTRHO_PLUGIN_NUM_INPUTS 0
 #define DISTRHO_PLUGIN_NUM_OUTPUTS 2
 #define DISTRHO_PLUGIN_WANT_PROGRAMS 1
+// For CLAP. In VST3 the framework would give all parameters other numbers, in LV2 other ports: see without_states.hpp.
+#define DISTRHO_PLUGIN_WANT_LATENCY 1
 #define DISTRHO_PLUGIN_CLAP_FEATURES "instrument", "synthesizer", "stereo"
 #define DISTRHO_PLUGIN_VST3_CATEGORIES "Instrument|Synth|Stereo"
 

@@ -6,20 +6,27 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <numbers>
 #include <span>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include "contactspline/host/hosted.hpp"
+#include "contactspline/host/oversampled.hpp"
+#include "contactspline/host/replaceable.hpp"
 #include "contactspline/step/controls.hpp"
 #include "contactspline/step/flush_denormals.hpp"
 #include "contactspline/step/version.hpp"
+#include "watched_file.hpp"
 #include "windowed_plugin.hpp"
 
 namespace contactspline {
@@ -29,12 +36,14 @@ namespace detail {
 /// A base that is there before the framework's class, which asks how many parameters and programs there are.
 template <std::floating_point T>
 struct PluginInstrument {
-  explicit PluginInstrument(Handle<T> instrument) : hosted(std::move(instrument)) {
+  explicit PluginInstrument(std::unique_ptr<Replaceable<T>> instrument)
+      : replaceable(*instrument), hosted(std::move(instrument)) {
     const auto parameters = hosted.instrument().parameters();
     for (std::size_t p = 0; p < parameters.size(); ++p)
       if (parameters[p].slider.min < parameters[p].slider.max) numbers.push_back(p);
   }
 
+  Replaceable<T>& replaceable;  // which `hosted` owns
   Hosted<T> hosted;
   std::vector<std::size_t> numbers;  // of the parameters that can move, which are those that hosts see
 };
@@ -45,16 +54,23 @@ struct PluginInstrument {
 /// presets, in units for people (label_of); a volume is the last parameter. Without presets one program sets all
 /// parameters to their first values. Left and right are the outputs whose names begin with left_ and right_; without
 /// them the first output is on both sides. Behind the volume stand what hosts can only read: the peak of each output,
-/// in its unit, which falls within 0.3 s. While a window watches, it tells it what the contacts do.
+/// in its unit, which falls within 0.3 s. The last two are the oversampling, whose change a thread of its own
+/// prepares and the instrument takes while it sounds, and the latency, to read. That thread also watches the
+/// instrument's file (watched_file.hpp). While a window watches, it tells it what the contacts do.
 template <std::floating_point T>
 class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlugin {
  public:
-  explicit InstrumentPlugin(Handle<T> played)
-      : detail::PluginInstrument<T>(std::move(played)),
+  using Make = Handle<T>();
+
+  explicit InstrumentPlugin(Make* make)
+      : detail::PluginInstrument<T>(std::make_unique<Replaceable<T>>(make())),
         WindowedPlugin(
-            static_cast<std::uint32_t>(this->numbers.size() + 1 + this->hosted.instrument().outputs().size()),
+            static_cast<std::uint32_t>(this->numbers.size() + 3 + this->hosted.instrument().outputs().size()),
             static_cast<std::uint32_t>(std::max<std::size_t>(1, this->hosted.instrument().presets().size())), 0),
+        make_(make),
+        file_(instrument().name()),
         volume_index_(this->numbers.size()),
+        oversampling_index_(volume_index_ + 1 + instrument().outputs().size()),
         factors_(all_factors()),
         values_(factors_.size()),
         outputs_(instrument().outputs().size()),
@@ -68,6 +84,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
       peaks_[o].unit = output.full_scale * label_of(output.name).factor;
     }
   }
+  ~InstrumentPlugin() override { end_thread(); }
 
  private:
   using Control = contactspline::Parameter;
@@ -77,6 +94,8 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
 
   static constexpr std::size_t kBlock = 256;  // samples
   static constexpr double kPeakTime_s = 0.3;
+  static constexpr double kMaxRate_hz = 768000;          // of an instrument
+  static constexpr std::chrono::milliseconds kLook{20};  // at the oversampling and the file
 
   // What a host has set, on any thread.
   struct HostValue {
@@ -114,6 +133,8 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
 
   void initParameter(std::uint32_t index, DISTRHO_NAMESPACE::Parameter& parameter) override {
     using namespace DISTRHO_NAMESPACE;
+    if (index == oversampling_index_) return describe_oversampling(parameter);
+    if (index > oversampling_index_) return describe_latency(parameter);
     if (index > volume_index_) return describe_peak(instrument().outputs()[index - volume_index_ - 1], parameter);
     const Control& c = control(index);
     const Label label = label_of(c.name);
@@ -153,16 +174,38 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     parameter.ranges = {0, 0, static_cast<float>(10 * output.full_scale * label.factor)};
   }
 
+  static void describe_oversampling(DISTRHO_NAMESPACE::Parameter& parameter) {
+    using namespace DISTRHO_NAMESPACE;
+    parameter.hints = kParameterIsAutomatable | kParameterIsInteger | kParameterIsLogarithmic;
+    parameter.name = parameter.symbol = "oversampling";
+    parameter.ranges = {1, 1, static_cast<float>(kOversamplings[std::size(kOversamplings) - 1])};
+    parameter.enumValues.count = std::size(kOversamplings);
+    parameter.enumValues.restrictedMode = true;
+    parameter.enumValues.values =
+        new ParameterEnumerationValue[std::size(kOversamplings)];  // the framework's to delete
+    for (std::size_t i = 0; i < std::size(kOversamplings); ++i)
+      parameter.enumValues.values[i] = {static_cast<float>(kOversamplings[i]), String(kOversamplings[i])};
+  }
+  void describe_latency(DISTRHO_NAMESPACE::Parameter& parameter) const {
+    parameter.hints = DISTRHO_NAMESPACE::kParameterIsOutput | DISTRHO_NAMESPACE::kParameterIsInteger;
+    parameter.name = parameter.symbol = "latency";
+    parameter.unit = "samples";
+    parameter.ranges = {0, 0, static_cast<float>(latencies_.back())};
+  }
+
   void initProgramName(std::uint32_t index, DISTRHO_NAMESPACE::String& name) override {
     name = instrument().presets().empty() ? "initial" : instrument().presets()[index].name;
   }
 
   float getParameterValue(std::uint32_t index) const override {
+    if (index == oversampling_index_) return static_cast<float>(oversampling_);
+    if (index > oversampling_index_) return static_cast<float>(latency());
     return index > volume_index_ ? peaks_[index - volume_index_ - 1].shown : values_[index].shown;
   }
 
   // On any thread.
   void setParameterValue(std::uint32_t index, float value) override {
+    if (index == oversampling_index_) return set_oversampling(value);
     if (index >= values_.size()) return;
     const auto [min, max] = control(index).slider;
     HostValue& kept = values_[index];
@@ -178,11 +221,62 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
                         shown(p, presets.empty() ? control(p).initial : presets[index].values[this->numbers[p]]));
   }
 
+  // To the nearest one on a logarithmic scale; a value that is not a number does nothing.
+  void set_oversampling(float value) {
+    if (!is_number(value)) return;
+    int nearest = 1;
+    for (const int factor : kOversamplings)
+      if (value > std::numbers::sqrt2_v<float> / 2 * static_cast<float>(factor)) nearest = factor;
+    oversampling_ = nearest;
+    setLatency(latency());
+  }
+  // The same, or less where the instrument's rate would be too high.
+  [[nodiscard]] int possible_oversampling() const {
+    int factor = oversampling_;
+    while (factor > 1 && factor * getSampleRate() > kMaxRate_hz) factor /= 2;
+    return factor;
+  }
+  [[nodiscard]] std::uint32_t latency() const {
+    return latencies_[static_cast<std::size_t>(std::ranges::find(kOversamplings, possible_oversampling()) -
+                                               std::begin(kOversamplings))];
+  }
+  static auto all_latencies() {
+    std::array<std::uint32_t, std::size(kOversamplings)> latencies;
+    std::ranges::transform(kOversamplings, latencies.begin(),
+                           [](int factor) { return static_cast<std::uint32_t>(Decimator<T>(factor).delay()); });
+    return latencies;
+  }
+
+  // Replaces the instrument where it has another oversampling or its file has changed. Not on the audio thread.
+  void renew() {
+    const int factor = possible_oversampling();
+    const double rate_hz = factor * getSampleRate();
+    Handle<T> next = file_.changed(rate_hz);
+    if (factor == std::exchange(made_oversampling_, factor) && !next) return;
+    if (!next) next = file_.last(rate_hz);
+    next = std::make_unique<Oversampled<T>>(next ? std::move(next) : make_(), factor);
+    next->prepare(getSampleRate());
+    this->replaceable.offer(std::move(next));
+  }
+
+  void end_thread() {
+    is_active_ = false;
+    if (thread_.joinable()) thread_.join();
+  }
+  void deactivate() override { end_thread(); }
+
   // Not on the audio thread.
   void activate() override {
+    end_thread();
     for (HostValue& value : values_) value.is_new = true;
     take_values();
+    renew();
+    setLatency(latency());
     this->hosted.prepare(getSampleRate());
+    is_active_ = true;
+    thread_ = std::thread([this] {
+      for (; is_active_; std::this_thread::sleep_for(kLook)) renew();
+    });
     volume_ = volume_target_;
     for (Peak& peak : peaks_) peak.fallen = 0;
     volume_rate_ = static_cast<float>(-std::expm1(-1 / (kVolume.glide_s * getSampleRate())));
@@ -266,7 +360,14 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     return factors;
   }
 
-  std::size_t volume_index_;
+  Make* make_;
+  WatchedFile<T> file_;
+  std::size_t volume_index_, oversampling_index_;
+  const std::array<std::uint32_t, std::size(kOversamplings)> latencies_ = all_latencies();  // samples
+  std::atomic<int> oversampling_ = 1;                                                       // that the host wants
+  int made_oversampling_ = 1;
+  std::atomic<bool> is_active_ = false;
+  std::thread thread_;           // while it is active
   std::vector<double> factors_;  // unit for people over the instrument's
   std::vector<HostValue> values_;
   std::vector<float*> outputs_;

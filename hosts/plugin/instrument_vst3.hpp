@@ -12,6 +12,7 @@
 #include <cstdio>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include "contactspline/midi/midi_meaning.hpp"
 #include "host_values.hpp"
@@ -168,6 +169,10 @@ class InstrumentVst3 : public PluginVst3 {
     info->flags = (hints & kParameterIsAutomatable ? V3_PARAM_CAN_AUTOMATE : 0) |
                   (hints & kParameterIsOutput ? V3_PARAM_READ_ONLY : 0);
     info->default_normalised_value = scale(index).part_of(fPlugin.getParameterRanges(index).def);
+    if (const uint32_t values = fPlugin.getParameterEnumValues(index).count; values > 0) {
+      info->flags |= V3_PARAM_IS_LIST;
+      info->step_count = static_cast<int32_t>(values) - 1;
+    }
     strncpy_utf16(info->title, fPlugin.getParameterName(index), 128);
     strncpy_utf16(info->short_title, fPlugin.getParameterShortName(index), 128);
     strncpy_utf16(info->units, fPlugin.getParameterUnit(index), 128);
@@ -217,7 +222,18 @@ class InstrumentVst3 : public PluginVst3 {
     }
     if (!is_parameter(id)) return is_hidden(id) ? V3_OK : V3_INVALID_ARG;
     move(index_of(id), part);
+    tell_latency();  // a host that has moved it in the processor moves it in the controller, too
     return V3_OK;
+  }
+
+  v3_result setState(v3_bstream** stream) {
+    const v3_result result = PluginVst3::setState(stream);
+    tell_latency();
+    return result;
+  }
+
+  uint32_t getLatencySamples() const noexcept {
+    return static_cast<uint32_t>(fPlugin.getParameterValue(fParameterCount - 1));
   }
 
   v3_result getParameterStringForValue(v3_param_id id, double part, v3_str_128 text) {
@@ -310,6 +326,12 @@ class InstrumentVst3 : public PluginVst3 {
 
   [[nodiscard]] uint32_t program_of(double part) const {
     return static_cast<uint32_t>(std::round(std::clamp(part, 0.0, 1.0) * fProgramCountMinusOne));
+  }
+
+  void tell_latency() {
+    const uint32_t latency = getLatencySamples();
+    if (latency != std::exchange(told_latency_, latency) && fComponentHandler != nullptr)
+      v3_cpp_obj(fComponentHandler)->restart_component(fComponentHandler, V3_RESTART_LATENCY_CHANGED);
   }
 
   void load_program(uint32_t program) {
@@ -426,6 +448,7 @@ class InstrumentVst3 : public PluginVst3 {
   Mapping mapping_ = {.plugin = this};
   v3_param_id hidden_[vst3_object::ControllerPoints::kMax] = {};
   uint32_t hidden_count_ = 0;
+  uint32_t told_latency_ = 0;
   std::atomic_ref<uint32_t> program_{fCurrentProgram};
   std::atomic<bool> has_new_program_ = false;  ///< the host does not know its values yet
 };

@@ -12,6 +12,7 @@
 #include "contactspline/host/hosted.hpp"
 #include "contactspline/host/model_module.hpp"
 #include "contactspline/host/oversampled.hpp"
+#include "contactspline/host/replaceable.hpp"
 #include "contactspline/host/sleeper.hpp"
 #include "contactspline/host/tuned_keys.hpp"
 #include "contactspline/instrument/ensemble_instrument.hpp"
@@ -179,6 +180,7 @@ using Felt = materials::felt_c4;
   template class HalfBand<T>;                                                                                   \
   template class Decimator<T>;                                                                                  \
   template class Oversampled<T>;                                                                                \
+  template class Replaceable<T>;                                                                                \
   template class Sleeper<T>;                                                                                    \
   template class HandleDsp<T>;                                                                                  \
   template class PedaledKeyboard<T>;                                                                            \

@@ -5,6 +5,7 @@
 #include <clap/entry.h>
 #include <clap/ext/audio-ports.h>
 #include <clap/ext/gui.h>
+#include <clap/ext/latency.h>
 #include <clap/ext/note-ports.h>
 #include <clap/ext/params.h>
 #include <clap/ext/state.h>
@@ -153,6 +154,19 @@ class ClapPlugin : public HostedPlugin {
   [[nodiscard]] std::vector<std::string> programs() override { return {}; }
   void load_program(std::size_t) override {}
 
+  [[nodiscard]] std::uint32_t latency() override {
+    return extension<clap_plugin_latency_t>(CLAP_EXT_LATENCY)->get(plugin_);
+  }
+  [[nodiscard]] std::size_t latency_changes() const override { return latency_changes_; }
+  /// As a host does that the plug-in has asked for it.
+  void restart(double sample_rate_hz) {
+    require(std::exchange(wants_restart_, false), "no restart is wanted");
+    plugin_->stop_processing(plugin_);
+    plugin_->deactivate(plugin_);
+    require(plugin_->activate(plugin_, sample_rate_hz, 1, kMaxBlock) && plugin_->start_processing(plugin_),
+            "not active");
+  }
+
   [[nodiscard]] std::string save() override {
     std::string saved;
     const clap_ostream_t stream = {&saved, [](const clap_ostream_t* self, const void* buffer, std::uint64_t size) {
@@ -235,6 +249,9 @@ class ClapPlugin : public HostedPlugin {
           return true;
         },
         [](const clap_host_t*, clap_id) { return true; }};
+    static const clap_host_latency_t latency = {
+        [](const clap_host_t* host) { ++static_cast<ClapPlugin*>(host->host_data)->latency_changes_; }};
+    if (std::strcmp(id, CLAP_EXT_LATENCY) == 0) return &latency;
     if (std::strcmp(id, CLAP_EXT_GUI) == 0) return &gui;
     return std::strcmp(id, CLAP_EXT_TIMER_SUPPORT) == 0 ? &timer : nullptr;
   }
@@ -277,20 +294,23 @@ class ClapPlugin : public HostedPlugin {
   const clap_plugin_descriptor_t* descriptor_ = nullptr;
   const clap_plugin_t* plugin_ = nullptr;
   const clap_plugin_params_t* params_ = nullptr;
-  clap_host_t host_ = {CLAP_VERSION,
-                       this,
-                       "test",
-                       "test",
-                       "",
-                       "1",
-                       host_extension,
-                       [](const clap_host_t*) {},
-                       [](const clap_host_t*) {},
-                       [](const clap_host_t*) {}};
+  clap_host_t host_ = {
+      CLAP_VERSION,
+      this,
+      "test",
+      "test",
+      "",
+      "1",
+      host_extension,
+      [](const clap_host_t* host) { static_cast<ClapPlugin*>(host->host_data)->wants_restart_ = true; },
+      [](const clap_host_t*) {},
+      [](const clap_host_t*) {}};
   std::map<std::string, clap_id> ids_;
   std::vector<Event> events_;
   std::vector<clap_event_param_value_t> told_;
   std::uint32_t timer_period_ms_ = 0;
+  bool wants_restart_ = false;
+  std::size_t latency_changes_ = 0;
 };
 
 }  // namespace contactspline::testing

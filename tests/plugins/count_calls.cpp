@@ -11,7 +11,7 @@
 
 namespace contactspline::testing {
 
-std::atomic<std::size_t> allocations = 0, locks = 0;
+constinit thread_local std::size_t allocations = 0, locks = 0;
 
 }  // namespace contactspline::testing
 

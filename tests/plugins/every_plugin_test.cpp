@@ -38,9 +38,12 @@ INSTANTIATE_TEST_SUITE_P(InEveryFormat, EveryPlugin, ::testing::ValuesIn(every_p
 TEST_P(EveryPlugin, ListsItsParametersWithUnits) {
   auto expected = reference()->parameters();
   expected.push_back({"volume", "", 0, 1, 0.5});
+  expected.push_back(kOversampling);
   const auto plugin = open();
   expect_parameters(*plugin, expected);
-  expect_list(plugin->readings(), reference()->readings());
+  auto readings = reference()->readings();
+  readings.push_back(kLatency);
+  expect_list(plugin->readings(), readings);
 }
 
 struct TimedMessage {
@@ -114,7 +117,7 @@ TEST(Calls, AreCountedInEveryLibrary) {
 // Values with all digits of single precision.
 void change_all(HostedPlugin& plugin, std::mt19937& random) {
   std::uniform_real_distribution<double> part(0.05, 0.95);
-  for (const HostedParameter& parameter : plugin.parameters())
+  for (const HostedParameter& parameter : prompt_parameters(plugin))
     plugin.set(parameter.name, parameter.min + part(random) * (parameter.max - parameter.min));
   (void)plugin.run(1);
 }
@@ -129,7 +132,7 @@ TEST_P(EveryPlugin, RestoresWhatItSaved) {
   EXPECT_EQ(first->save(), saved);
   second->restore(saved);
   (void)second->run(1);
-  for (const HostedParameter& parameter : first->parameters()) {
+  for (const HostedParameter& parameter : prompt_parameters(*first)) {
     EXPECT_EQ(second->value(parameter.name), first->value(parameter.name)) << parameter.name;
     EXPECT_NE(first->value(parameter.name), parameter.initial) << parameter.name;
   }
@@ -198,7 +201,7 @@ TEST_P(EveryPlugin, SurvivesHostileSetsAtAllRatesInAllBlocks) {
   constexpr double kRates_hz[] = {8000, 22050, 44100, 96000, 192000};
   for (const double rate_hz : kRates_hz) {
     const auto plugin = open(rate_hz);
-    const auto parameters = plugin->parameters();
+    const auto parameters = prompt_parameters(*plugin);
     for (int set = 0; set < sets; set += static_cast<int>(std::size(kRates_hz))) {
       const std::size_t length = static_cast<std::size_t>(
           std::pow(double{HostedPlugin::kMaxBlock}, std::uniform_real_distribution<double>(0, 1)(random)));

@@ -1,13 +1,25 @@
 // SPDX-License-Identifier: MIT
 // What hosts stumbled over: classes, features, units, hidden parameters, scales, values within a block, readings,
 // state.
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
 #include "contactspline/host/hosted.hpp"
+#include "contactspline/host/oversampled.hpp"
 #include "contactspline/instrument/instruments_of.hpp"
 #include "contactspline/instruments/trichord_c4.hpp"
 #include "contactspline/materials/felt_c4.hpp"
 #include "contactspline/resonators/string_c4.hpp"
+#include "generator/support/input_file.hpp"
 #include "plugins/open_plugin.hpp"
+#include "plugins/reference.hpp"
 #include "support/compare.hpp"
+#include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -116,6 +128,130 @@ TEST(Vst3, HasLogarithmicScales) {
           << parameter.name << " at " << part;
 }
 
+using Hammer = HammerStringOf<materials::felt_c4, resonators::string_c4, float>;
+
+// While a note rings, the oversampling moves twice. The instrument at the higher rate plays what comes then; the note
+// fades out by g, whose steps add at most |x| dg, and g falls by at most 1.5/480 in a sample.
+TEST(EveryFormat, IsOversampledWhileItSounds) {
+  for (const char* format : {"clap", "vst3", "lv2"}) {
+    SCOPED_TRACE(format);
+    const auto plugin = open_plugin(format, "hammer_string", kRate);
+    EXPECT_EQ(plugin->latency(), 0u);
+    std::size_t changes = 0;
+    for (const auto& [factor, latency] : {std::pair{4, 37u}, {8, 38u}}) {
+      plugin->send(0, {0x90, 60, 100});
+      auto sound = plugin->run(20)[0];
+      const std::vector<float> ringing(sound.end() - 2 * kBlock, sound.end());
+      const auto largest_step = [](const std::vector<float>& x) {
+        float step = 0;
+        for (std::size_t n = 1; n < x.size(); ++n) step = std::max(step, std::abs(x[n] - x[n - 1]));
+        return step;
+      };
+      plugin->set("oversampling", factor);
+      sound = {ringing.back()};
+      const std::vector<float> silence(kBlock);
+      for (std::vector<float> block; block != silence && sound.size() < std::size_t(10 * kRate);) {
+        block = plugin->run(1)[0];
+        sound.insert(sound.end(), block.begin(), block.end());
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      }
+      ASSERT_EQ(std::vector<float>(sound.end() - kBlock, sound.end()), silence);
+      EXPECT_LE(largest_step(sound), 1.02f * largest_step(ringing) + 1.5f / 480 * *std::ranges::max_element(ringing));
+      if (auto* const vst3 = dynamic_cast<Vst3Plugin*>(plugin.get())) vst3->tell_controller("oversampling", factor);
+      if (auto* const clap = dynamic_cast<ClapPlugin*>(plugin.get())) clap->restart(kRate);
+      EXPECT_EQ(plugin->latency(), latency);
+      EXPECT_EQ(plugin->latency_changes(), format == std::string("lv2") ? 0 : ++changes);
+
+      ReferenceOf reference(std::make_unique<Oversampled<float>>(handle_of<Hammer>(), factor), kRate);
+      reference.midi(std::array<std::uint8_t, 3>{0x90, 60, 100});
+      plugin->send(0, {0x90, 60, 100});
+      const auto expected = reference.run(40 * kBlock)[0], played = plugin->run(40)[0];
+      EXPECT_GT(*std::ranges::max_element(expected), 1e-3f);
+      EXPECT_GE(agreement_db<float>(played, expected), 100) << factor;
+      plugin->send(0, {0x80, 60, 64});
+    }
+    EXPECT_EQ(plugin->allocated(), 0u);
+    EXPECT_EQ(plugin->locked(), 0u);
+    const auto restored = open_plugin(format, "hammer_string", kRate);
+    restored->restore(plugin->save());
+    (void)restored->run(1);
+    EXPECT_EQ(restored->value("oversampling"), 8);
+    EXPECT_EQ(restored->latency(), 38u);
+    for (const double set : {3.0, 0.0, 1e30}) {
+      restored->set("oversampling", set);
+      (void)restored->run(1);
+      if (format != std::string("lv2")) {  // its host keeps the values
+        EXPECT_EQ(restored->value("oversampling"), set == 3 ? 4 : set == 0 ? 1 : 8) << set;
+      }
+    }
+  }
+}
+
+// A file of the plug-in's instrument, in a folder that the environment names, is played in the place of what was
+// built in, and follows each change while a note rings. A damaged file changes nothing.
+TEST(EveryFormat, FollowsAWatchedFileWhileItSounds) {
+  if (!HAS_C_LIBRARY) GTEST_SKIP() << "the library for C reads the file";
+  constexpr double kRateOfFiles = 44100;  // below half of it are the modes that are built in
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("contactspline_watch_" + std::to_string(::getpid()));
+  std::filesystem::create_directory(folder);
+  const std::string text = read_input(INSTRUMENTS "/trichord_c4.json");
+  const auto save = [&](const char* mass) {
+    const std::string from = R"("name": "hammer", "mass_kg": 0.00891)";
+    std::string changed = text;
+    changed.replace(changed.find(from), from.size(), R"("name": "hammer", "mass_kg": )" + std::string(mass));
+    std::ofstream(folder / "new") << changed;
+    std::filesystem::rename(folder / "new", folder / "trichord_c4.json");
+  };
+  const auto note = [](HostedPlugin& plugin) {
+    plugin.send(0, {0x90, 60, 100});
+    return plugin.run(20)[0];
+  };
+  const auto built_in = open_plugin("clap", "trichord_c4", kRateOfFiles);
+  const std::vector<float> expected = note(*built_in);
+  save("0.00891");
+  ::setenv("CONTACTSPLINE_WATCH", folder.c_str(), 1);
+  std::vector<double> milliseconds;
+  for (const char* format : {"clap", "vst3", "lv2"}) {
+    SCOPED_TRACE(format);
+    const auto plugin = open_plugin(format, "trichord_c4", kRateOfFiles);
+    for (int change = 0; change < 4; ++change) {
+      const std::vector<float> played = note(*plugin);
+      EXPECT_EQ(agreement_db<float>(played, expected) >= 100, change % 2 == 0)
+          << agreement_db<float>(played, expected);
+      save("-1");
+      for (int block = 0; block < 20; ++block) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(4));
+        EXPECT_NE(plugin->run(1)[0], std::vector<float>(kBlock)) << "it plays on beside a damaged file";
+      }
+      save(change % 2 == 0 ? "0.02" : "0.00891");
+      const auto saved = std::chrono::steady_clock::now();
+      const auto elapsed = [&] {
+        return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - saved).count();
+      };
+      while (plugin->run(1)[0] != std::vector<float>(kBlock) && elapsed() < 10000)
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      milliseconds.push_back(elapsed());
+    }
+    EXPECT_EQ(plugin->allocated(), 0u);
+    EXPECT_EQ(plugin->locked(), 0u);
+  }
+  std::ranges::sort(milliseconds);
+  Measured() << "from the file to the sound " << milliseconds[6] << " ms, at most " << milliseconds.back() << " ms";
+  EXPECT_LT(milliseconds[6], 100);
+  ::unsetenv("CONTACTSPLINE_WATCH");
+  std::filesystem::remove_all(folder);
+}
+
+// 8 times 192 kHz is no rate of an instrument, 4 times is.
+TEST(EveryFormat, IsOversampledAsFarAsRatesGo) {
+  const auto plugin = open_plugin("clap", "hammer_string", 192000);
+  plugin->set("oversampling", 8);
+  (void)plugin->run(1);
+  EXPECT_EQ(plugin->latency(), 37u);
+  EXPECT_EQ(plugin->value("oversampling"), 8);
+}
+
 // Hosts that keep a part of the slider in single precision give back what was set.
 TEST(Vst3, RestoresShortNumbersFromPartsInSinglePrecision) {
   const auto piano = open_vst3("piano"), hammer = open_vst3("hammer_string");
@@ -157,7 +293,6 @@ std::vector<float> played(const char* moved, double value, std::uint32_t note, s
 // A parameter that moves within a block acts at its sample, as in the C++ class. The vectorised kernels of the
 // plug-in round in another order: 100 dB is 6 bits above single precision, for 38,000 samples.
 TEST(EveryFormat, MovesParametersAtTheirSample) {
-  using Hammer = HammerStringOf<materials::felt_c4, resonators::string_c4, float>;
   constexpr std::uint32_t kNote = 5 * kBlock + 37, kMove = 20 * kBlock + 201;
   constexpr std::size_t kBlocks = 150;
   const auto hammer = played<Hammer>("damping_per_s", 40, kNote, kMove, kBlocks * kBlock);
@@ -186,7 +321,7 @@ TEST(EveryFormat, ReadsThePeaksOfItsOutputs) {
     SCOPED_TRACE(format);
     const auto plugin = open_plugin(format, "hammer_string", kRate);
     const auto readings = plugin->readings();
-    ASSERT_EQ(readings.size(), 2u);
+    ASSERT_EQ(readings.size(), 3u);
     EXPECT_EQ(readings[0].name, "peak displacement");
     EXPECT_EQ(readings[0].unit, "mm");
     EXPECT_EQ(readings[1].name, "peak contact force");

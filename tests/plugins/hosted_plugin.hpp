@@ -52,6 +52,11 @@ class HostedPlugin {
   [[nodiscard]] virtual std::string save() = 0;
   virtual void restore(std::string saved) = 0;
 
+  /// [samples], as hosts of the format ask for it; and how often the plug-in has told that it changes. LV2 has a
+  /// port.
+  [[nodiscard]] virtual std::uint32_t latency() = 0;
+  [[nodiscard]] virtual std::size_t latency_changes() const = 0;
+
   /// Opens the window in one of the host's, of X11, at a scale. Throws if it has none. The host then calls
   /// idle_window() about 60 times a second.
   virtual void open_window(std::uintptr_t parent, double scale) = 0;

@@ -51,6 +51,13 @@ class Lv2Plugin : public HostedPlugin {
     take(std::next(presets_.begin(), static_cast<std::ptrdiff_t>(index))->second.get());
   }
 
+  [[nodiscard]] std::uint32_t latency() override {
+    if (!lilv_plugin_has_latency(plugin_)) throw std::runtime_error("LV2: no latency");
+    return static_cast<std::uint32_t>(
+        instance_.control_port(ports().at(lilv_plugin_get_latency_port_index(plugin_)).symbol));
+  }
+  [[nodiscard]] std::size_t latency_changes() const override { return 0; }
+
   [[nodiscard]] std::string save() override {
     const State state = this->state();
     char* const text = lilv_state_to_string(world_.get(), instance_.urids().map(), instance_.urids().unmap(),

@@ -53,6 +53,17 @@ class PluginTest : public ::testing::TestWithParam<InFormat> {
   }
 };
 
+/// What every plug-in has behind the parameters of its instrument, and behind its readings.
+inline const HostedParameter kOversampling = {"oversampling", "", 1, 8, 1};
+inline const HostedParameter kLatency = {"latency", "samples", 0, 38, 0};
+
+/// The parameters but the oversampling, which acts when a thread of the plug-in has prepared it.
+inline std::vector<HostedParameter> prompt_parameters(const HostedPlugin& plugin) {
+  auto parameters = plugin.parameters();
+  std::erase_if(parameters, [](const HostedParameter& p) { return p.name == kOversampling.name; });
+  return parameters;
+}
+
 /// Numbers of single precision; the product with 1000 is rounded once more.
 inline void expect_list(const std::vector<HostedParameter>& actual, const std::vector<HostedParameter>& expected) {
   ASSERT_EQ(actual.size(), expected.size());

@@ -17,7 +17,7 @@
 #include "support/finite.hpp"
 
 // Not counted here: valgrind and sanitizers count.
-std::atomic<std::size_t> contactspline::testing::allocations = 0, contactspline::testing::locks = 0;
+constinit thread_local std::size_t contactspline::testing::allocations = 0, contactspline::testing::locks = 0;
 
 namespace contactspline::testing {
 namespace {

@@ -162,12 +162,13 @@ class ComponentHandler : public HostObject<v3_component_handler> {
                       return static_cast<v3_result>(V3_OK);
                     },
                     [](void*, v3_param_id) { return static_cast<v3_result>(V3_OK); },
-                    [](void* self, std::int32_t) {
+                    [](void* self, std::int32_t flags) {
                       ++of<ComponentHandler>(self).restarts;
+                      of<ComponentHandler>(self).latency_changes += (flags & V3_RESTART_LATENCY_CHANGED) != 0;
                       return static_cast<v3_result>(V3_OK);
                     }}) {}
 
-  std::size_t restarts = 0;
+  std::size_t restarts = 0, latency_changes = 0;
   std::vector<std::pair<v3_param_id, double>> edits;  ///< values as parts of the slider
 };
 
@@ -477,6 +478,15 @@ class Vst3Plugin : public HostedPlugin {
   [[nodiscard]] double told_value(const std::string& parameter) const {
     const v3_param_id id = ids_.at(parameter);
     return plain(id, readings_.part(id));
+  }
+
+  [[nodiscard]] std::uint32_t latency() override { return v3_cpp_obj(processor_)->get_latency_samples(processor_); }
+  [[nodiscard]] std::size_t latency_changes() const override { return handler_.latency_changes; }
+
+  /// Tells the controller what a block has set, as hosts do.
+  void tell_controller(const std::string& parameter, double value) {
+    check(v3_cpp_obj(controller_)
+              ->set_parameter_normalised(controller_, ids_.at(parameter), part_of(parameter, value)));
   }
 
   [[nodiscard]] std::string save() override {

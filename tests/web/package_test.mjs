@@ -154,6 +154,45 @@ const cases = {
     }
   },
 
+  // What rings, 6/s at least, steps by less than the blow did, and is gone after 441 samples.
+  "a file takes the place of what sounds, without a click": async () => {
+    const text = generator.instruments().tom;
+    const changed = text.replaceAll('"tension_n_per_m": 1500', '"tension_n_per_m": 1200');
+    const step = (sound) => sound.reduce((most, x, i) => Math.max(most, i > 0 ? Math.abs(x - sound[i - 1]) : 0), 0);
+    const note = (player) => (player.strike("strike_stick", 2), Array.from(blocks(player, 16)[0]));
+    const player = await Player.create("tom", kRate), fresh = await Player.create({ text: changed }, kRate);
+    const [before, expected] = [player, fresh].map(note);
+    assert.notDeepEqual(expected, before);
+    for (let change = 0; change < 100; ++change) {
+      await assert.rejects(player.replace({ text: "{" }), /instrument\.json/);
+      assert.notDeepEqual(Array.from(blocks(player, 1)[0]), Array(128).fill(0), "it rings on beside a damaged file");
+      await player.replace({ text: change % 2 === 0 ? changed : text });
+      const sound = [before.at(-1), ...blocks(player, 4)[0]].slice(1);
+      assert.ok(step(sound) < step(before), "a click");
+      assert.deepEqual(sound.slice(441), Array(512 - 441).fill(0));
+      assertEqualSound("tom", note(player), change % 2 === 0 ? expected : before, 1e-4);
+    }
+    for (const other of [player, fresh]) other.close();
+  },
+
+  // The program takes the delay of an oversampled score away.
+  "an oversampled instrument plays the samples of the program, late": async () => {
+    for (const oversample of [2, 8]) {
+      const player = await Player.create("tom", kRate, { oversample });
+      const { parameters, events } = player.description;
+      const { name: event, init } = parameters[events[0].parameter];
+      player.strike(events[0].name);
+      const fullScale = fullScaleOf(program, "tom");
+      const played = Array.from(blocks(player, 64)[0].subarray(player.latency), (x) => x * fullScale);
+      const expected = rendered(program, "tom", event, init, { oversample }).slice(0, played.length);
+      assertEqualSound("tom", played.slice(0, expected.length), expected);
+      assert.notEqual(player.latency, 0);
+      player.close();
+    }
+    await assert.rejects(Player.create("tom", kRate, { oversample: 3 }), { message: "contactspline: oversample: 3 is unknown; allowed: 1, 2, 4, 8" });
+    await assert.rejects(Player.create("tom", 192000, { oversample: 8 }), /sampleRate times oversample: 1536000 is out of range/);
+  },
+
   "MIDI files are played as by the program": async () => {
     for (const [name, bytes] of Object.entries(kMidiFiles)) {
       const [instrument, fullScale] = name.includes("pedal") ? ["lap_steel", fullScaleOf(program, "lap_steel")] : ["piano", 1 / 12];

@@ -5,7 +5,7 @@ import { ContactSpline, instruments, loadGenerator, Player, type Report } from "
 const forces: number[] = [];
 const context = new OfflineAudioContext(2, 44100, 44100);
 const report = ({ time, force, energy, books }: Report) => forces.push(time, force[0], energy, books?.work ?? 0);
-const piano: ContactSpline = await ContactSpline.create(context, "piano", { report, isLimited: true });
+const piano: ContactSpline = await ContactSpline.create(context, "piano", { report, isLimited: true, oversample: 2 });
 piano.connect(context.destination);
 piano.parameters.get("knock_ratio")?.linearRampToValueAtTime(0, 1);
 piano.noteOn(60);
@@ -24,12 +24,13 @@ const fitted: string = generator.fit(generator.fitFile(["felt.csv"], 0.003), "me
 const read = generator.instrument(generator.instruments().tanpura, "tanpura.json", { sampleRate: 48000 });
 const line: string = read.error ?? read.parts;
 for (const { time, bytes } of generator.readMidi(new Uint8Array(99), "song.mid").messages) piano.midi(bytes, 1 + time);
-const player = await Player.create({ text: line, file: "mine.json" }, 48000);
+const player = await Player.create({ text: line, file: "mine.json" }, 48000, { oversample: 4 });
 player.strike(player.description.events[0].name, 2.5);
 player.useMaterial(generator.design(generator.materials().felt_c4, "felt_c4.json"));
+await piano.replace({ text: line }), await player.replace({ text: line, file: "mine.json" });
 player.tune(generator.readTuning({ scale: line, a4: 442 })), player.tune(null);
 const [left, right, force]: Float32Array[] = player.process(64);
-const sum: number = left[0] + right[0] + force[0] + player.energy() + player.sampleRate;
+const sum: number = left[0] + right[0] + force[0] + player.energy() + player.sampleRate + player.latency + piano.latency;
 player.close();
 const [first, last]: number[] = (await instruments())[0].keys ?? [sum, 0];
 

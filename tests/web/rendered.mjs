@@ -41,9 +41,9 @@ export function renderedScore(program, score, channels) {
 export const renderedMidi = (program, bytes, instrument, fullScale) =>
   renderedFile(program, "song.mid", bytes, ["--gain", String(-20 * Math.log10(fullScale)), "--precision", "single", "--tail", "1", "--instrument", instrument]);
 
-/** The first output after an event. */
-export function rendered(program, instrument, event, value) {
-  return renderedScore(program, { instrument, description: "a blow", events: [{ time_s: 0, [event]: value }] }, 1)[0];
+/** The first output after an event, of a score with more keys. */
+export function rendered(program, instrument, event, value, more = {}) {
+  return renderedScore(program, { instrument, description: "a blow", events: [{ time_s: 0, [event]: value }], ...more }, 1)[0];
 }
 
 /** The emitted file of what ships. */

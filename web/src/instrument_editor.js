@@ -7,7 +7,7 @@ import { kMaxFile } from "./state.js";
 
 const kFirst = "tanpura";
 const kLeastWidth = 320; // points of the screen that a drawing has
-const kSettled = 400; // milliseconds after the last key
+const kSettled = 50; // milliseconds after the last key: with a fade of 20 ms it is heard within 0.1 s
 const kMargin = "300px"; // it is drawn before it is in view
 const kDot = 4, kMass = 8; // radius, half a side
 const kTooLong = `. Links and Undo leave this file out: they take files of up to ${kMaxFile} letters.`;

@@ -199,8 +199,15 @@ CONTACTSPLINE_WEB(std::byte*, engine_own_instrument, int bytes) {
   return own.data();
 }
 
-/// Makes an instrument, at rest, which the functions below play. 0 if there is none of this number. Allocates.
-CONTACTSPLINE_WEB(int, engine_choose, int number, double sample_rate_hz) {
+/// How late an instrument is that runs so many times finer [samples].
+CONTACTSPLINE_WEB(int, engine_latency, int factor) {
+  return static_cast<int>(Decimator<float>(factor).delay());
+}
+
+/// Makes an instrument, at rest, which the functions below play, and runs it 1, 2, 4 or 8 times finer. 0 if there is
+/// none of this number. Allocates.
+CONTACTSPLINE_WEB(int, engine_choose, int number, double sample_rate_hz, int factor) {
+  oversampling = factor;
   auto next = instrument(number);
   if (!next) return 0;
   next->prepare(sample_rate_hz);
@@ -210,6 +217,17 @@ CONTACTSPLINE_WEB(int, engine_choose, int number, double sample_rate_hz) {
   chosen_rate_hz = sample_rate_hz;
   heard_midi = MidiInterpreter();
   heard_count = 0;
+  return 1;
+}
+
+/// Lets the user's own instrument take the place of the one that plays, while it sounds. 0 if there is none.
+/// Allocates.
+CONTACTSPLINE_WEB(int, engine_replace) {
+  if (own.empty() || voices.empty()) return 0;
+  const bool has_keys = !UnpackedInstrument(own).data().keyed.ranges.empty();
+  voices.front().instrument->replace(has_keys ? handle_of<OfBytes<Voices<NetworkInstrument<float>>>>(own)
+                                              : handle_of<OfBytes<NetworkInstrument<float>>>(own),
+                                     chosen_rate_hz);
   return 1;
 }
 
@@ -237,6 +255,7 @@ CONTACTSPLINE_WEB(void, engine_pan, int number, double pan) {
 /// Forgets what plays, the material and the user's own instrument, as if it had just been started.
 CONTACTSPLINE_WEB(void, engine_restart) {
   voices.clear();
+  oversampling = 1;
   material = Material{};
   if (!own.empty()) instruments().pop_back();
   own.clear();

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -17,6 +18,8 @@
 #include <vector>
 
 #include "contactspline/host/hosted.hpp"
+#include "contactspline/host/oversampled.hpp"
+#include "contactspline/host/replaceable.hpp"
 #include "generated/piano.hpp"
 #include "web/wasm/door.hpp"
 #include "web/wasm/energy_books.hpp"
@@ -44,7 +47,12 @@ class Playable {
   /// Of the last strike; null where none are kept.
   [[nodiscard]] virtual const Books* books() const = 0;
   virtual void watch_none() = 0;
+  /// Lets another instrument take its place, at `oversampling`, while it sounds (replaceable.hpp).
+  virtual void replace(Handle<float> next, double sample_rate_hz) = 0;
 };
+
+/// How many times finer than their host the instruments run that are made from now on: one of kOversamplings.
+inline int oversampling = 1;
 
 /// Where the velocity of a key multiplies a parameter, that is played as it is.
 template <typename I>
@@ -105,7 +113,9 @@ class PlayableBehind final : public Playable {
   explicit PlayableBehind(Args&&... args)
       : PlayableBehind(std::make_unique<InstrumentBehind<I>>(std::forward<Args>(args)...)) {}
   explicit PlayableBehind(std::unique_ptr<InstrumentBehind<I>> behind)
-      : own_(behind->instrument()), hosted_(std::move(behind)) {
+      : own_(behind->instrument()),
+        replaceable_(*new Replaceable<T>(at_oversampling(std::move(behind)))),
+        hosted_(Handle<T>(&replaceable_)) {
     const std::span<const Output> outputs = hosted_.instrument().outputs();
     left_ = output_beginning(outputs, "left_", otherwise);
     right_ = output_beginning(outputs, "right_", left_);
@@ -158,9 +168,22 @@ class PlayableBehind final : public Playable {
   void watch_none() override {
     if constexpr (requires { own_.watch_none(); }) own_.watch_none();
   }
+  void replace(Handle<float> next, double sample_rate_hz) override {
+    if constexpr (std::same_as<T, float>) {
+      next = at_oversampling(std::move(next));
+      next->prepare(sample_rate_hz);
+      replaceable_.offer(std::move(next));
+    }
+  }
 
  private:
-  I& own_;  // what hosted_ plays, of its class
+  static Handle<T> at_oversampling(Handle<T> handle) {
+    if (oversampling == 1) return handle;
+    return std::make_unique<Oversampled<T>>(std::move(handle), oversampling);
+  }
+
+  I& own_;                       // what hosted_ plays at first, of its class
+  Replaceable<T>& replaceable_;  // which hosted_ owns
   Hosted<T> hosted_;
   std::size_t left_, right_;    // among the outputs
   std::vector<float*> wanted_;  // of the outputs

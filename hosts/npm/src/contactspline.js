@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // An instrument as a node of Web Audio.
-import { findInstrument, kFiles, moduleOf } from "./files.js";
+import { bytesOf, findInstrument, kFiles, moduleOf } from "./files.js";
 import { badInput, indexOf, parameterValue, playable } from "./messages.js";
 
 export { instruments, loadGenerator } from "./files.js";
@@ -27,12 +27,13 @@ function numberOf(parameters) {
 
 export class ContactSpline extends playable(globalThis.AudioWorkletNode ?? Object) {
   /** An instrument at rest, by its name or { text, file } of an instrument file. Throws bad input. */
-  static async create(context, instrument, { report, isLimited = false } = {}) {
-    const { description, number, messages } = await findInstrument(instrument, context.sampleRate);
-    const first = [...messages, { do: "instrument", number, gain: 1 }];
+  static async create(context, instrument, { report, isLimited = false, oversample = 1 } = {}) {
+    const { description, number, messages, latency } = await findInstrument(instrument, context.sampleRate, oversample);
+    const first = [...messages, { do: "instrument", number, gain: 1, oversample }];
     if (!report) first.push({ do: "watchNone" });
     const node = await this.open(context, kFiles.processor, await moduleOf(kFiles.engine), first, { description, isLimited, isReported: Boolean(report) });
     node.heard.report = report;
+    Object.assign(node, { latency, rate: context.sampleRate * oversample });
     await node.sent();
     return node;
   }
@@ -56,6 +57,12 @@ export class ContactSpline extends playable(globalThis.AudioWorkletNode ?? Objec
       for (const { failed } of node.waiting.splice(0)) failed(new Error(`contactspline: ${description.name}: failed on the audio thread; allowed: what fits in memory`));
     };
     return node;
+  }
+
+  /** Lets the instrument of { text, file } take the place of this one, also while it sounds. Throws bad input. */
+  async replace(instrument) {
+    this.send({ do: "own", bytes: await bytesOf(instrument, this.rate) });
+    this.send({ do: "replace" });
   }
 
   send(message) {

@@ -32,8 +32,12 @@ export function startEngine(module, sampleRate = 44100) {
     peak: (number, seconds) => exports.engine_peak(number, seconds, sampleRate),
     /** Makes the instrument of a user's file the last one of all. */
     takeInstrument: (bytes) => writeInstrument(exports, exports.engine_own_instrument, bytes),
-    /** Makes an instrument: call it before one of the functions below. */
-    choose: (number, rate = sampleRate) => exports.engine_choose(number, rate) === 1,
+    /** How late an instrument is that runs so many times finer [samples]. */
+    latency: (oversample) => exports.engine_latency(oversample),
+    /** Makes an instrument, which runs 1, 2, 4 or 8 times finer: call it before one of the functions below. */
+    choose: (number, rate = sampleRate, oversample = 1) => exports.engine_choose(number, rate, oversample) === 1,
+    /** Lets the instrument of a user's file take the place of the one that plays, while it sounds. */
+    replace: () => exports.engine_replace() === 1,
     /** Adds a voice: the instrument once more, its strings tuned by so many cents, or with the one of this number in
      * strings(), plucked at pluck_m, over which a slide rests at height_m, or struck by a hammer, with a damper: the dulcimer's
      * where they are not given. Returns whether it can be. */

@@ -2,7 +2,10 @@
 // The package's files, beside this one, and the modules made of them: each loaded once.
 import { startEngine } from "./engine.js";
 import { startGenerator } from "./generator.js";
-import { badInput, indexOf } from "./messages.js";
+import { badInput, indexOf, numberWithin } from "./messages.js";
+
+const kOversamplings = [1, 2, 4, 8];
+export const kRates = [1000, 768000]; // that an instrument may run at [Hz]
 
 /** Where they are. */
 export const kFiles = {
@@ -46,20 +49,29 @@ let shipped = null;
 /** The descriptions of all instruments that ship (web/wasm/playable.hpp). */
 export const instruments = async () => (shipped ??= (await describer()).instruments());
 
-/** An instrument by its name, or by { text, file } of an instrument file: its description, its number in an engine, and the
- * messages that an engine takes before. Throws bad input. */
-export async function findInstrument(instrument, sampleRate) {
-  const all = await instruments();
-  if (typeof instrument === "string") {
-    const number = indexOf("instrument", instrument, all);
-    return { description: all[number], number, messages: [] };
-  }
+/** What an engine takes of { text, file } of an instrument file. Throws bad input. */
+export async function bytesOf(instrument, rate) {
   const { text, file = "instrument.json" } = instrument ?? {};
   if (typeof text !== "string" || typeof file !== "string")
     throw badInput("instrument", instrument instanceof Object ? "has no text" : `${String(instrument)} is no instrument`, "a name such as piano, or { text, file } of an instrument file");
-  const { error, bytes } = (await loadGenerator()).instrument(text, file, { sampleRate });
+  const { error, bytes } = (await loadGenerator()).instrument(text, file, { sampleRate: rate });
   if (error !== undefined) throw new Error(error);
+  return bytes;
+}
+
+/** An instrument by its name, or by { text, file } of an instrument file, that runs so many times finer: its description, its
+ * number in an engine, the messages that an engine takes before, and how late it is [samples]. Throws bad input. */
+export async function findInstrument(instrument, sampleRate, oversample) {
+  const all = await instruments();
+  if (!kOversamplings.includes(oversample)) throw badInput("oversample", `${String(oversample)} is unknown`, kOversamplings.join(", "));
+  const rate = numberWithin("sampleRate times oversample", sampleRate * oversample, ...kRates);
+  const latency = (await describer()).latency(oversample);
+  if (typeof instrument === "string") {
+    const number = indexOf("instrument", instrument, all);
+    return { description: all[number], number, messages: [], latency };
+  }
+  const bytes = await bytesOf(instrument, rate);
   const engine = await describer();
   engine.takeInstrument(bytes);
-  return { description: engine.instruments().at(-1), number: all.length, messages: [{ do: "own", bytes }] };
+  return { description: engine.instruments().at(-1), number: all.length, messages: [{ do: "own", bytes }], latency };
 }

@@ -10,6 +10,7 @@ const kLargest = 1e15; // of a number of a table, far from the end of single pre
 /** Plays a message in an engine (engine.js). */
 export function play(engine, message) {
   if (message.do === "own") engine.takeInstrument(message.bytes);
+  if (message.do === "replace") engine.replace();
   if (message.do === "material") engine.useMaterial(message.design);
   if (message.do === "set") engine.set(message.parameter, message.value, message.voice);
   if (message.do === "noteOn") engine.noteOn(message.key, message.velocity, message.voice);

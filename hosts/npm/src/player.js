@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // An instrument without Web Audio, in Node or anywhere: blocks of samples, when they are asked for.
 import { startEngine } from "./engine.js";
-import { findInstrument, kFiles, moduleOf } from "./files.js";
+import { bytesOf, findInstrument, kFiles, kRates, moduleOf } from "./files.js";
 import { badInput, indexOf, numberWithin, parameterValue, play, playable, wholeNumberWithin } from "./messages.js";
 
 const idle = []; // engines that no player has
@@ -14,14 +14,20 @@ const kClosed = new Proxy({}, {
 
 export class Player extends playable(Object) {
   /** An instrument at rest, by its name or { text, file } of an instrument file. Throws bad input. */
-  static async create(instrument, sampleRate = 44100) {
-    numberWithin("sampleRate", sampleRate, 1000, 768000);
-    const { description, number, messages } = await findInstrument(instrument, sampleRate);
+  static async create(instrument, sampleRate = 44100, { oversample = 1 } = {}) {
+    numberWithin("sampleRate", sampleRate, ...kRates);
+    const { description, number, messages, latency } = await findInstrument(instrument, sampleRate, oversample);
     const module = await moduleOf(kFiles.engine);
     const engine = idle.pop() ?? startEngine(module);
     for (const message of messages) play(engine, message);
-    engine.choose(number, sampleRate);
-    return Object.assign(new Player(), { description, sampleRate, engine });
+    engine.choose(number, sampleRate, oversample);
+    return Object.assign(new Player(), { description, sampleRate, latency, rate: sampleRate * oversample, engine });
+  }
+
+  /** Lets the instrument of { text, file } take the place of this one, also while it sounds. Throws bad input. */
+  async replace(instrument) {
+    this.send({ do: "own", bytes: await bytesOf(instrument, this.rate) });
+    this.send({ do: "replace" });
   }
 
   send(message) {

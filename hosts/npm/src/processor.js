@@ -79,8 +79,8 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
     this.isClosed = true;
   }
 
-  choose({ number, gain }) {
-    this.engine.choose(number);
+  choose({ number, gain, oversample }) {
+    this.engine.choose(number, sampleRate, oversample);
     this.gain = gain;
     this.isPlaying = true;
   }

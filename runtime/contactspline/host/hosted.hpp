@@ -196,9 +196,11 @@ class Hosted {
       const double now = instrument().value(p);
       if (now == targets_[p]) continue;
       const double next = now + rates_[p] * (targets_[p] - now);
-      // What the instrument's precision no longer shows ends the glide.
-      const bool arrives = static_cast<T>(next) == static_cast<T>(now);
+      // What the instrument's precision no longer shows ends the glide, and so does the end of the range of one that
+      // has taken the place of another.
+      bool arrives = static_cast<T>(next) == static_cast<T>(now);
       set_now(p, arrives ? targets_[p] : next);
+      arrives |= instrument().value(p) == now;
       is_gliding_ |= !arrives;
     }
     return is_gliding_;

@@ -26,6 +26,12 @@ struct ModelModule {
   Handle<double> (*make_double)() = nullptr;
 };
 
+/// The type of contactspline_handle() of the library for C: an AnyInstrument<double> or, with precision 1, <float> of
+/// the text of an instrument file, with its modes for a rate [Hz], not prepared. The caller deletes it, who must be
+/// built with the same as the library. Null where it fails: contactspline_last_error() says why.
+using GetHandle = void*(const char* text, const char* file, double sample_rate_hz, int precision,
+                        const ModelModule& caller);
+
 /// The name and the type of the one function of the library.
 inline constexpr const char* kModelModuleSymbol = "contactspline_model_module";
 using GetModelModule = const ModelModule*();

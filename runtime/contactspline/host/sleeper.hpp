@@ -33,6 +33,7 @@ class Sleeper {
   }
 
   [[nodiscard]] const AnyInstrument<T>& instrument() const { return *instrument_; }
+  [[nodiscard]] Handle<T> release() { return std::move(instrument_); }  ///< ends this
 
   void prepare(double sample_rate_hz) {
     instrument_->prepare(sample_rate_hz);
