@@ -21,7 +21,7 @@ export interface Parameter {
   controller: number;
 }
 
-/** A strike or a pluck. */
+/** A strike, a pluck or a stroke of a bow, which the value 0 lifts. */
 export interface InstrumentEvent {
   name: string;
   label: string;
