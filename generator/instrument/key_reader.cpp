@@ -25,9 +25,9 @@ class KeyReader {
     if (model_.keys.ranges.empty()) return;
     std::ranges::sort(model_.keys.ranges, {}, &KeyRange::first);
     model_.keys.voices =
-        static_cast<std::size_t>(draft_.json.has("polyphony") ? draft_.json.integer("polyphony", 1, kMaxVoices)
-                                 : model_.keys.tune()         ? kVoices
-                                                              : 1);
+        static_cast<std::size_t>(draft_.json.has("polyphony")   ? draft_.json.integer("polyphony", 1, kMaxVoices)
+                                 : model_.keys.tune() && !bow() ? kVoices
+                                                                : 1);
     if (draft_.json.has("damper")) read_damper(draft_.json.object("damper", {"bodies", "damping_per_s"}));
     if (!model_.keys.tune()) return;
     model_.keys.bend = model_.parameters.size();
@@ -55,6 +55,13 @@ class KeyReader {
         row.fail(row.key(key), fmt::format("key {} plays two events", std::max(range.first, other.first)),
                  "each key once");
     model_.keys.ranges.push_back(range);
+  }
+
+  // Do keys bow? A key that is held goes on with the stroke of another one.
+  [[nodiscard]] bool bow() const {
+    return std::ranges::any_of(model_.keys.ranges, [&](const KeyRange& range) {
+      return model_.events[range.event].kind == EventKind::kBow;
+    });
   }
 
   void read_tuned_key(const JsonObject& row, KeyRange& range) const {

@@ -92,8 +92,10 @@ MidiSettings settings_of(const InstrumentModel& model, const Tuning& tuning) {
   return tuning.is_given() ? tuned(settings, key_cents_of(model, tuning)) : settings;
 }
 
-// The wheel of its channel, the sustain pedal, and what moves parameters.
-void add_controllers(const InstrumentModel& model, const MidiSong& song, int channel, double cents, Voice& voice) {
+// The wheel of its channel, the sustain pedal, and what moves parameters, unless it is of another channel that has a
+// voice of its own.
+void add_controllers(const InstrumentModel& model, const MidiSong& song, int channel, double cents,
+                     const std::set<int>& with_voice, Voice& voice) {
   if (cents != 0) voice.glides.push_back({0, 0, model.keys.bend, cents});
   for (const MidiBend& bend : song.bends)
     if (bend.channel == channel) voice.glides.push_back(glide_of(bend, model.keys.bend, cents));
@@ -102,8 +104,9 @@ void add_controllers(const InstrumentModel& model, const MidiSong& song, int cha
       voice.glides.push_back({pedal.time_s, 0, model.keys.sustain, pedal.position});
   for (const MidiMove& move : song.moves)
     for (std::size_t p = 0; p < model.parameters.size(); ++p)
-      if (const ModelParameter& parameter = model.parameters[p]; parameter.controller == move.controller)
-        voice.glides.push_back({move.time_s, parameter.glide_s, p, value_at(parameter, move.part)});
+      if (const ModelParameter& x = model.parameters[p];
+          x.controller == move.controller && (move.channel == channel || !with_voice.contains(move.channel)))
+        voice.glides.push_back({move.time_s, x.glide_s, p, move.is_first ? x.initial : value_at(x, move.part)});
 }
 
 std::vector<Voice> read_voices(const JsonObject& score, const InstrumentModel& model) {
@@ -237,8 +240,10 @@ Score parse_midi_on_instrument(std::string_view bytes, std::string_view file, st
   if (voices.beyond > 0)
     left_out.push_back(fmt::format("left out: notes beyond {} ({})", keys_in_words(model), voices.beyond));
   if (!left_out.empty()) score.left_out = fmt::format("{}: MIDI: {}", file, fmt::join(left_out, "; "));
+  std::set<int> with_voice;
+  for (const auto& [channel_and_cents, voice] : voices.by_channel) with_voice.insert(channel_and_cents.first);
   for (auto& [channel_and_cents, voice] : voices.by_channel) {
-    add_controllers(model, song, channel_and_cents.first, channel_and_cents.second, voice);
+    add_controllers(model, song, channel_and_cents.first, channel_and_cents.second, with_voice, voice);
     score.voices.push_back(std::move(voice));
   }
   sort_by_time(score.voices);

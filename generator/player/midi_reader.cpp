@@ -44,8 +44,8 @@ class SongRecorder {
         song_.bends.push_back({time_s_, event.channel, event.cents, sounds(event.channel)});
         return;
       case Kind::kController:
-        if (midi_pedal(event.number) == kMidiPedals.size())
-          song_.moves.push_back({time_s_, event.number, event.value});
+        if (event.number != 0 && midi_pedal(event.number) == kMidiPedals.size())
+          song_.moves.push_back({time_s_, event.channel, event.number, event.value});
         if (event.number == kSustainPedal && !midi_.is_sustained(event.channel)) end_held(channel_of(event));
         return;
       case Kind::kPedal:
@@ -55,7 +55,7 @@ class SongRecorder {
       case Kind::kReset:
         return silence_all();
       case Kind::kPressure:
-        song_.moves.push_back({time_s_, kPressureController, event.value});
+        song_.moves.push_back({time_s_, event.channel, kPressureController, event.value, event.is_first});
         return;
       case Kind::kProgram:
         return;

@@ -42,8 +42,10 @@ struct MidiPedal {
 /// A controller that is no pedal, or the pressure (kPressureController), goes to another place.
 struct MidiMove {
   double time_s;
+  int channel;  ///< 0 to 15
   int controller;
-  double part;  ///< 0 to 1
+  double part;            ///< 0 to 1
+  bool is_first = false;  ///< back to its first value
 };
 
 struct MidiSong {

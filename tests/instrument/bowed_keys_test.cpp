@@ -221,6 +221,60 @@ TEST(KeysThatBow, AlternateTheirStrokes) {
   EXPECT_LT(first * mean_force(), 0);
 }
 
+// A note without velocity lifts no bow that another key holds, and an event bows the string of the file.
+TEST(KeysThatBow, LeaveOtherKeysAlone) {
+  Fiddle fiddle, alone;
+  for (Fiddle* played : {&fiddle, &alone}) {
+    played->voices->note_on(57, 1);
+    played->voices->note_on(66, 1);
+  }
+  fiddle.voices->note_on(58, 0);
+  EXPECT_TRUE(sequences_within(std::span<const double>(fiddle.played(1000)),
+                               std::span<const double>(alone.played(1000)), 0.0));
+  fiddle.voices->bow(0, 5.0);  // the lower string has the pitch of the file until the event ends
+  fiddle.voices->bow(0, 0.0);
+  fiddle.play(0.05);
+  EXPECT_FALSE(fiddle.voices->is_silent(1e9)) << "two keys are held";
+  fiddle.voices->note_off(57);
+  fiddle.voices->note_off(66);
+  fiddle.play(0.03);
+  EXPECT_TRUE(fiddle.voices->is_silent(1e9));
+}
+
+// With two voices a third key takes the voice of another one, whose bow it lifts.
+TEST(KeysThatBow, LiftTheBowOfAVoiceThatIsTaken) {
+  std::string text = fiddle();
+  text.replace(text.find("\"polyphony\": 1"), 14, "\"polyphony\": 2");
+  Fiddle two(text);
+  two.voices->note_on(57, 1);
+  two.voices->note_on(58, 1);
+  two.play(0.1);
+  two.voices->note_on(62, 1);
+  two.play(0.1);
+  two.voices->note_off(62);
+  two.voices->note_off(58);
+  two.voices->note_off(57);
+  two.play(0.03);
+  EXPECT_TRUE(two.voices->is_silent(1e9)) << "no bow is down";
+}
+
+TEST(KeysThatBow, AreUpAfterAReset) {
+  Fiddle fiddle;
+  fiddle.voices->note_on(57, 1);
+  fiddle.play(0.1);
+  fiddle.voices->reset();
+  EXPECT_TRUE(fiddle.voices->is_silent(1e-14));
+  fiddle.play(0.05);
+  EXPECT_EQ(fiddle.network().energy(), 0);
+  EXPECT_EQ(fiddle.network().force(0), 0);
+}
+
+TEST(KeysThatBow, HaveOneVoiceUnlessTheFileSaysMore) {
+  std::string text = fiddle();
+  text.replace(text.find(",\n    \"polyphony\": 1"), 20, "");
+  EXPECT_EQ(parse_instrument(text, "fiddle.json").keys.voices, 1U);
+}
+
 struct BadBows {
   const char* replaced;
   const char* by;

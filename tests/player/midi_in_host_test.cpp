@@ -2,6 +2,7 @@
 // A MIDI file sounds as its messages do in a host.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -89,7 +90,9 @@ TEST(MidiInHost, SoundsAsItsFileDoes) {
 TEST(MidiInHost, PressureAndBreathMoveABow) {
   const InstrumentModel violin =
       parse_instrument(find_embedded(Shipped::kInstruments, "violin.json")->content, "violin.json");
-  const Events messages = {{0, bytes({0xd0, 32})}, {0, controller(2, 127)}, {0, on(62)}, {kSecond, off(62)}};
+  // Bank select moves nothing; after a reset the pressure is as at first, 0.5 N.
+  const Events messages = {
+      {0, controller(0, 0)}, {0, bytes({0xd0, 32})}, {0, controller(2, 127)}, {0, on(62)}, {kSecond, off(62)}};
   const Score score = parse_midi_on_instrument(file(track(messages)), "song.mid", {}, violin);
   const InstrumentArrays arrays = arrays_of(violin, kRate_hz / 2);
   Hosted<double> hosted(handle_of<Voices<NetworkInstrument<double>>>(arrays.view()));
@@ -103,6 +106,29 @@ TEST(MidiInHost, PressureAndBreathMoveABow) {
     EXPECT_DOUBLE_EQ(glides[parameter].to, value);
     EXPECT_DOUBLE_EQ(hosted.target(parameter), value);
   }
+  const std::string reset = controller(121, 0);
+  hosted.midi({reinterpret_cast<const std::uint8_t*>(reset.data()), reset.size()});
+  EXPECT_EQ(hosted.target(0), 0.5);
+  const Events with_reset = {{0, reset}, {0, on(62)}, {kSecond, off(62)}};
+  const Score again = parse_midi_on_instrument(file(track(with_reset)), "song.mid", {}, violin);
+  ASSERT_FALSE(again.voices.front().glides.empty());
+  for (const Glide& glide : again.voices.front().glides)
+    if (glide.control == 0) EXPECT_EQ(glide.to, 0.5);
+}
+
+// Channels that bend have voices of their own: one's pressure does not press the bow of the other.
+TEST(MidiInHost, PressureIsOfItsChannel) {
+  const InstrumentModel violin =
+      parse_instrument(find_embedded(Shipped::kInstruments, "violin.json")->content, "violin.json");
+  const Events messages = {{0, wheel(9000, 0)},     {0, wheel(9000, 1)},   {0, on(62, 90, 0)},   {0, on(69, 90, 1)},
+                           {1, bytes({0xd1, 127})}, {kSecond, off(62, 0)}, {kSecond, off(69, 1)}};
+  const Score score = parse_midi_on_instrument(file(track(messages)), "song.mid", {}, violin);
+  ASSERT_EQ(score.voices.size(), 2U);
+  const auto presses = [&](std::size_t voice) {
+    return std::ranges::count(score.voices[voice].glides, 0U, &Glide::control);
+  };
+  EXPECT_EQ(presses(0), 0);
+  EXPECT_EQ(presses(1), 1);
 }
 
 }  // namespace

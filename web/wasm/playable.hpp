@@ -145,8 +145,9 @@ class PlayableBehind final : public Playable {
     const std::size_t parameter = hosted_.instrument().events()[event].parameter;
     const double usual = hosted_.target(parameter);
     hosted_.set(parameter, value);
-    hosted_.press(event, false);
-    hosted_.press(event, hosted_.instrument().events()[event].kind != EventKind::kBow || value != 0);
+    const bool bows = hosted_.instrument().events()[event].kind == EventKind::kBow;
+    if (!bows) hosted_.press(event, false);  // a stroke that is under way goes on
+    hosted_.press(event, !bows || value != 0);
     hosted_.set(parameter, usual);
   }
 

@@ -41,7 +41,7 @@ def blow(instrument, time=0.01):
     event = next(iter(instrument.events.values()), None)
     if event is None:
         return cs.note(time, 60, 0.7)
-    play = cs.strike if event["kind"] == "strike" else cs.pluck
+    play = getattr(cs, event["kind"])
     return play(time, instrument.parameters[event["parameter"]]["initial"], event["number"])
 
 
@@ -106,6 +106,15 @@ def test_a_keyboard_of_ones_own_has_its_pitch_and_its_speeds(tmp_path):
                                                         "duration_s": 0.1, "keyboard": "own.json", "events": [blow]}))
         wanted = cs.play_score(tmp_path / "blow.json").force_n.max()
         assert wanted > 0.1 and piano.play(cs.note(0, 60, velocity), 0.1).force_n.max() == pytest.approx(wanted, rel=1e-6)
+
+
+def test_a_bow_is_lifted_after_its_hold():
+    violin = cs.Instrument("violin")
+    bowed = violin.play(cs.bow(0, 5, "bow_on_d", hold_s=0.2), 0.6)
+    assert np.array_equal(bowed.samples, violin.play(cs.note(0, 62, 1, hold_s=0.2), 0.6).samples)
+    held = violin.play(cs.bow(0, event=1), 0.6)
+    assert np.array_equal(held.samples[:8820], bowed.samples[:8820])
+    assert np.abs(held.samples[-4410:]).max() > 10 * np.abs(bowed.samples[-4410:]).max() > 0
 
 
 @pytest.mark.parametrize("wrong, line", [

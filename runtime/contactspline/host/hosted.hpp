@@ -152,7 +152,7 @@ class Hosted {
       case Kind::kReset:
         return reset();
       case Kind::kPressure:
-        return move(kPressureController, event.value);
+        return event.is_first ? reset_pressure() : move(kPressureController, event.value);
       case Kind::kProgram:
         return;
     }
@@ -163,6 +163,11 @@ class Hosted {
     for (std::size_t p = 0; p < targets_.size(); ++p)
       if (controller != 0 && instrument().parameters()[p].controller == controller)
         set(p, value_at(instrument().parameters()[p], part));
+  }
+
+  void reset_pressure() {
+    for (std::size_t p = 0; p < targets_.size(); ++p)
+      if (const Parameter& x = instrument().parameters()[p]; x.controller == kPressureController) set(p, x.initial);
   }
 
   // Where keys are not bent alone, what MIDI bends last moves the parameter.

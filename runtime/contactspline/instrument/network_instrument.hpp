@@ -50,7 +50,6 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
       presets_.push_back({data.preset_names[i], {values.begin(), values.end()}});
     }
     if (!data.keyed.tension_squares.empty()) tuning_ = {data.modes(), data.keyed.tension_squares, data.body_ends};
-    key_cents_.resize(data.body_ends.size());
     is_waiting_.resize(data.controls.size());
     for (std::size_t k = 0; k < data.connections.size(); ++k)
       if (data.connections[k].kind == ConnectionKind::kFriction && !is_of_bow(k)) rubbing_.push_back(k);
@@ -92,7 +91,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
 
   /// Sets a parameter: a control in the unit of its quantity, the speed of a strike or the force of a pluck. The
   /// value is moved into its range; one that is not a number does nothing. Where it acts at the next note, it waits
-  /// for a strike or pluck: a mass for its own next throw.
+  /// for a strike, pluck or bow: a mass for its own next throw.
   void set(std::size_t parameter, double value) {
     const double next = held(values_[parameter], value, data_.range_of(parameter));
     if (next == values_[parameter]) return;
@@ -152,8 +151,6 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
   /// load does at most 1 W of work.
   void tune(double cents, std::size_t string = kAllStrings) {
     if (in_double_) in_double_->tune(cents, string);
-    for (std::size_t b = 0; b < key_cents_.size(); ++b)
-      if (string == kAllStrings || string == b) key_cents_[b] = cents;
     tuning_.tune(cents, string);
   }
 
@@ -213,7 +210,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     if (in_double_) in_double_->reset();
     network_->reset();
     pickups_.reset();
-    tuning_.rest();
+    tuning_.follow_now();
     strikes_.reset();
     for (Pluck& pluck : plucks_) pluck.stop();
     for (std::size_t b = 0; b < strokes_.size(); ++b) {
@@ -261,7 +258,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     if (!parts_.needs_double(data_, *network_, sample_rate_hz)) return;
     in_double_ = std::make_unique<NetworkInstrument<double>>(data_);
     for (std::size_t p = 0; p < values_.size(); ++p) in_double_->set(p, values_[p]);
-    for (std::size_t b = 0; b < key_cents_.size(); ++b) in_double_->tune(key_cents_[b], b);
+    tuning_.each([&](std::size_t string, double cents) { in_double_->tune(cents, string); });
     in_double_->prepare(sample_rate_hz);
   }
 
@@ -405,7 +402,6 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
   std::vector<Stroke> strokes_;       // of the bows
   std::vector<std::size_t> rubbing_;  // frictions that are no bows
   std::vector<Preset> presets_;
-  std::vector<double> key_cents_;  // of the bodies
   detail::NetworkTuning<T> tuning_;
   std::optional<detail::NetworkDamper<T>> damper_;
   std::vector<char> is_waiting_;  // of the controls: for the next note

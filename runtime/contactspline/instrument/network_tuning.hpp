@@ -46,17 +46,22 @@ class NetworkTuning {
   }
   /// Shifts all strings, beside tune().
   void shift(double cents) {
-    if (std::exchange(shift_, cents) != cents) rest();
+    if (std::exchange(shift_, cents) != cents) follow_now();
   }
-  /// The network is at rest: a change that is under way need not wait.
-  void rest() {
+  /// Calls visit(body, cents) with what tune() has set.
+  template <typename Visitor>
+  void each(const Visitor& visit) const {
+    for (const String& string : strings_) visit(string.body, string.target);
+  }
+  /// A change that is under way need not wait, as where the network is at rest.
+  void follow_now() {
     for (String& string : strings_) string.wait = 0;
   }
   /// The network is new: its strings have the pitch of the file.
   void restart() {
     sample_ = 0;
     for (String& string : strings_) string.bend = {};
-    rest();
+    follow_now();
     tuned_ = modes_;
   }
 

@@ -46,9 +46,11 @@ class PlayedByEvents {
   void note_on(int key, double velocity) {
     const auto number = event_of(key);
     if (!number || !is_number(velocity)) return;
-    down_.set(static_cast<std::size_t>(key));
     const Event& event = self().events()[*number];
-    play_event(self(), event, std::clamp(velocity, 0.0, 1.0) * self().value(event.parameter));
+    const double value = std::clamp(velocity, 0.0, 1.0) * self().value(event.parameter);
+    if (event.kind == EventKind::kBow && !(value > 0)) return;  // which would lift the bow
+    down_.set(static_cast<std::size_t>(key));
+    play_event(self(), event, value);
   }
 
   void note_off(int key) {

@@ -86,9 +86,11 @@ class Voices {
     const KeyRange* range = range_of(key);
     if (range == nullptr || !is_number(velocity)) return;
     const Event& event = events()[range->event];
+    const double played = std::clamp(velocity, 0.0, 1.0) * value(event.parameter);
+    if (event.kind == EventKind::kBow && !(played > 0)) return;  // which would lift the bow
     Voice& voice = take(static_cast<std::size_t>(key));
     tune(voice, *range, key);
-    play_event(voice.instrument, event, std::clamp(velocity, 0.0, 1.0) * value(event.parameter));
+    play_event(voice.instrument, event, played);
   }
   void note_off(int key) {
     if (range_of(key) != nullptr) let_go(static_cast<std::size_t>(key));
@@ -112,13 +114,13 @@ class Voices {
   }
   void strike(std::size_t number, T speed_m_per_s) {
     if (const auto player = player_of(EventKind::kStrike, number); player < kPlayers && is_number(speed_m_per_s))
-      take_untuned(player).instrument.strike(number, speed_m_per_s);
+      take_as_in_file(player).instrument.strike(number, speed_m_per_s);
   }
   void release(std::size_t number) { let_go(player_of(EventKind::kStrike, number)); }
   void pluck(std::size_t number, T force_n, double rise_s = kPluckRise_s) {
     const auto player = player_of(EventKind::kPluck, number);
     if (player >= kPlayers || !is_number(force_n)) return;
-    Voice& voice = take_untuned(player);
+    Voice& voice = take_as_in_file(player);
     voice.players.reset(player);  // nothing lets go of it later
     voice.instrument.pluck(number, force_n, rise_s);
   }
@@ -127,7 +129,7 @@ class Voices {
     const auto player = player_of(EventKind::kBow, number);
     if (player >= kPlayers || !is_number(acceleration_m_per_s2)) return;
     if (!(acceleration_m_per_s2 > 0)) return let_go(player);
-    take_untuned(player).instrument.bow(number, acceleration_m_per_s2);
+    take_as_in_file(player).instrument.bow(number, acceleration_m_per_s2);
   }
 
   void process(Outputs<T> outputs, std::span<T> force = {}) {
@@ -247,30 +249,32 @@ class Voices {
     return static_cast<std::size_t>(&range - keyed().ranges.data());
   }
 
-  // Gives the string of a range the pitch of one of its keys.
+  // Do keys tune strings one by one?
+  [[nodiscard]] bool has_strings() const {
+    return std::ranges::any_of(keyed().ranges, [](const KeyRange& range) { return range.string != kAllStrings; });
+  }
+
+  // Gives the string of a range the pitch of one of its keys. A range without pitches gives all strings that of the
+  // file, unless others tune them one by one.
   void tune(Voice& voice, const KeyRange& range, int key) {
-    const auto is_for = [&](const KeyRange& other) {
-      return other.string == range.string || other.string == kAllStrings || range.string == kAllStrings;
-    };
-    for (std::size_t r = 0; r < voice.tuners.size(); ++r)
-      if (is_for(keyed().ranges[r])) voice.tuners[r] = kPlayers;
-    voice.tuners[number_of(range)] = static_cast<std::size_t>(key);
+    if (range.tuned_key < 0 && has_strings()) return;
     const double bend = key_cents_[static_cast<std::size_t>(key)];
-    voice.instrument.tune(range.tuned_key < 0 ? 0 : 100.0 * (key - range.tuned_key) + bend, range.string);
+    tune_string(voice, range.string, range.tuned_key < 0 ? 0 : 100.0 * (key - range.tuned_key) + bend);
+    voice.tuners[number_of(range)] = static_cast<std::size_t>(key);
+  }
+
+  void tune_string(Voice& voice, std::size_t string, double cents) {
+    for (std::size_t r = 0; r < voice.tuners.size(); ++r)
+      if (const std::size_t other = keyed().ranges[r].string;
+          other == string || other == kAllStrings || string == kAllStrings)
+        voice.tuners[r] = kPlayers;
+    voice.instrument.tune(cents, string);
   }
 
   [[nodiscard]] std::size_t player_of(EventKind kind, std::size_t number) const {
     for (std::size_t e = 0; e < events().size(); ++e)
       if (events()[e].kind == kind && events()[e].number == number) return (std::min)(kKeys + e, kPlayers);
     return kPlayers;
-  }
-
-  // The same with the pitch of the file.
-  Voice& take_untuned(std::size_t player) {
-    Voice& voice = take(player);
-    voice.instrument.tune(0, kAllStrings);
-    std::ranges::fill(voice.tuners, kPlayers);
-    return voice;
   }
 
   // The voice that a player gets, held by it.
@@ -280,7 +284,7 @@ class Voices {
       found = std::ranges::min_element(voices_, {}, [](const Voice& voice) {
         return std::tuple(voice.players.any(), !voice.is_asleep, voice.order);
       });
-    if (voices_.size() > 1 && found->player != player) empty(*found);
+    if (voices_.size() > 1 && found->player != player) evict(*found);
     found->players.set(player);
     found->player = player;
     found->order = orders_[player] = ++order_;
@@ -288,8 +292,17 @@ class Voices {
     return *found;
   }
 
+  // The voice of an event without a key. Its strings, or all, have the pitch of the file.
+  Voice& take_as_in_file(std::size_t player) {
+    Voice& voice = take(player);
+    if (!has_strings()) tune_string(voice, kAllStrings, 0);
+    for (const KeyRange& range : keyed().ranges)
+      if (range.event == event_played_by(player) && range.string != kAllStrings) tune_string(voice, range.string, 0);
+    return voice;
+  }
+
   // Takes a voice away from those that hold it.
-  void empty(Voice& voice) {
+  void evict(Voice& voice) {
     if (voice.players.none()) return;
     voice.players.reset();
     for (const Event& event : events())
@@ -322,7 +335,8 @@ class Voices {
     if (last == kPlayers) return play_event(voice.instrument, events()[event], 0);
     if (last >= kKeys) return;
     const KeyRange& range = *range_of(static_cast<int>(last));
-    if (player < kKeys && voice.tuners[number_of(range)] == player) tune(voice, range, static_cast<int>(last));
+    const std::size_t tuner = voice.tuners[number_of(range)];
+    if (tuner == player || tuner == kPlayers) tune(voice, range, static_cast<int>(last));
   }
 
   // Adds a part of a block of one voice.

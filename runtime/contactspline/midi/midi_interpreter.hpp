@@ -26,7 +26,7 @@ struct MidiEvent {
     kNoteOff,      ///< note, channel, key, value: release velocity, 0 to 1, is_last
     kKeyBend,      ///< channel, key, cents: of a key that the channel has played last
     kChannelBend,  ///< channel, cents: of all its keys, beside their own tuning
-    kPressure,     ///< channel, key or -1 for all of the channel, value: 0 to 1
+    kPressure,     ///< channel, key or -1 for all of the channel, value: 0 to 1, is_first
     kController,   ///< channel, number, value: 0 to 1
     kPedal,    ///< number: of kMidiPedals; value: 0 up to 1 down, of the channel that presses it farthest; also where
                ///< it stays there
@@ -36,14 +36,15 @@ struct MidiEvent {
   };
 
   Kind kind;
-  int channel = 0;       ///< 0 to 15
-  int key = -1;          ///< of the instrument, which the note plays
-  int number = 0;        ///< of a controller, a pedal or a program
-  double value = 0;      ///< of what kind says
-  double cents = 0;      ///< above the pitch of `key`
-  double own_cents = 0;  ///< of a note: what of that is not its channel's
-  std::size_t note = 0;  ///< identity: how many notes began before it
-  bool is_last = true;   ///< of a note off: does no other note hold the key?
+  int channel = 0;        ///< 0 to 15
+  int key = -1;           ///< of the instrument, which the note plays
+  int number = 0;         ///< of a controller, a pedal or a program
+  double value = 0;       ///< of what kind says
+  double cents = 0;       ///< above the pitch of `key`
+  double own_cents = 0;   ///< of a note: what of that is not its channel's
+  std::size_t note = 0;   ///< identity: how many notes began before it
+  bool is_last = true;    ///< of a note off: does no other note hold the key?
+  bool is_first = false;  ///< of a pressure: as if none had been sent
 };
 
 /// Follows channels, tunings, MPE zones and held notes. What each message does is listed in midi_meaning.hpp. A note
@@ -304,7 +305,7 @@ class MidiInterpreter {
     for (const int number : kMidiPedals) pedal(channel, number, 0, sink);
     tell_controller(channel, 1, 0, sink);
     tell_controller(channel, 11, 127, sink);
-    sink(MidiEvent{.kind = Kind::kPressure, .channel = channel});
+    sink(MidiEvent{.kind = Kind::kPressure, .channel = channel, .is_first = true});
     tell_bends(sink);
   }
 

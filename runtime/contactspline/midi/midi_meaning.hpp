@@ -71,7 +71,8 @@ inline constexpr auto kMidiControllers = std::to_array<MidiRow<MidiControl>>({
      "silences the instrument; in a file where others sound, "
      "lets the keys of its channel go"},
     {121, 121, MidiControl::kReset, "reset all controllers",
-     "wheel to its centre, pedals up, modulation 0, expression 127, pressure 0, no registered parameter chosen"},
+     "wheel to its centre, pedals up, modulation 0, expression 127, pressure as at first, no registered parameter "
+     "chosen"},
     {123, 127, MidiControl::kNotesOff, "all notes off, modes",
      "lets the keys of its channel go, as the pedals allow; "
      "modes do no more"},
