@@ -9,7 +9,7 @@
 #include "windows/lv2_binary.hpp"
 
 // Not counted here.
-std::atomic<std::size_t> contactspline::testing::allocations = 0, contactspline::testing::locks = 0;
+constinit thread_local std::size_t contactspline::testing::allocations = 0, contactspline::testing::locks = 0;
 
 namespace contactspline::testing {
 namespace {
