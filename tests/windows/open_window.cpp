@@ -8,7 +8,7 @@
 #include "plugins/vst3_host.hpp"
 
 // Not counted here.
-std::atomic<std::size_t> contactspline::testing::allocations = 0, contactspline::testing::locks = 0;
+constinit thread_local std::size_t contactspline::testing::allocations = 0, contactspline::testing::locks = 0;
 
 namespace contactspline::testing {
 namespace {
