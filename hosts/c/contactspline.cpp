@@ -356,7 +356,7 @@ int contactspline_replace(contactspline_instrument* instrument, contactspline_in
           player.replaceable.offer(std::get<Player<T>>(other->player).sleeper.release());
         },
         instrument->player);
-    instrument->maker = other->maker;
+    instrument->maker = std::move(other->maker);
     instrument->latency = other->latency.load();
     delete other;
     return 1;

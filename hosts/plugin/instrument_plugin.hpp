@@ -11,6 +11,8 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
+#include <exception>
 #include <memory>
 #include <numbers>
 #include <span>
@@ -56,7 +58,8 @@ struct PluginInstrument {
 /// them the first output is on both sides. Behind the volume stand what hosts can only read: the peak of each output,
 /// in its unit, which falls within 0.3 s. The last two are the oversampling, whose change a thread of its own
 /// prepares and the instrument takes while it sounds, and the latency, to read. That thread also watches the
-/// instrument's file (watched_file.hpp). While a window watches, it tells it what the contacts do.
+/// instrument's file (watched_file.hpp); without one it sleeps. While a window watches, it tells it what the contacts
+/// do.
 template <std::floating_point T>
 class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlugin {
  public:
@@ -95,7 +98,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
   static constexpr std::size_t kBlock = 256;  // samples
   static constexpr double kPeakTime_s = 0.3;
   static constexpr double kMaxRate_hz = 768000;          // of an instrument
-  static constexpr std::chrono::milliseconds kLook{20};  // at the oversampling and the file
+  static constexpr std::chrono::milliseconds kLook{20};  // at the file
 
   // What a host has set, on any thread.
   struct HostValue {
@@ -176,7 +179,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
 
   static void describe_oversampling(DISTRHO_NAMESPACE::Parameter& parameter) {
     using namespace DISTRHO_NAMESPACE;
-    parameter.hints = kParameterIsAutomatable | kParameterIsInteger | kParameterIsLogarithmic;
+    parameter.hints = kParameterIsInteger | kParameterIsLogarithmic;
     parameter.name = parameter.symbol = "oversampling";
     parameter.ranges = {1, 1, static_cast<float>(kOversamplings[std::size(kOversamplings) - 1])};
     parameter.enumValues.count = std::size(kOversamplings);
@@ -229,6 +232,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
       if (value > std::numbers::sqrt2_v<float> / 2 * static_cast<float>(factor)) nearest = factor;
     oversampling_ = nearest;
     setLatency(latency());
+    wake_thread();
   }
   // The same, or less where the instrument's rate would be too high.
   [[nodiscard]] int possible_oversampling() const {
@@ -247,21 +251,48 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     return latencies;
   }
 
-  // Replaces the instrument where it has another oversampling or its file has changed. Not on the audio thread.
+  // Replaces the instrument where it has another oversampling, or one of a file another rate, or its file has
+  // changed. Not on the audio thread.
   void renew() {
     const int factor = possible_oversampling();
     const double rate_hz = factor * getSampleRate();
+    const bool has_factor = factor == std::exchange(made_oversampling_, factor);
+    const bool has_rate = rate_hz == std::exchange(made_rate_hz_, rate_hz);
     Handle<T> next = file_.changed(rate_hz);
-    if (factor == std::exchange(made_oversampling_, factor) && !next) return;
-    if (!next) next = file_.last(rate_hz);
+    if (!next && !(has_factor && has_rate)) next = file_.last(rate_hz);
+    if (!next && has_factor) return;
     next = std::make_unique<Oversampled<T>>(next ? std::move(next) : make_(), factor);
     next->prepare(getSampleRate());
     this->replaceable.offer(std::move(next));
   }
 
+  // What fails is a line on standard error: hosts do not expect that a plug-in throws.
+  template <typename F>
+  static void attempt(const F& work) {
+    try {
+      work();
+    } catch (const std::exception& error) {
+      std::fprintf(stderr, "contactspline: %s\n", error.what());
+    }
+  }
+
+  void wake_thread() {
+    ++wakes_;
+    wakes_.notify_one();
+  }
   void end_thread() {
     is_active_ = false;
+    wake_thread();
     if (thread_.joinable()) thread_.join();
+  }
+  void renew_while_active() {
+    for (int seen = wakes_; is_active_; seen = wakes_) {
+      attempt([this] { renew(); });
+      if (file_.is_there())
+        std::this_thread::sleep_for(kLook);
+      else
+        wakes_.wait(seen);
+    }
   }
   void deactivate() override { end_thread(); }
 
@@ -270,13 +301,11 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     end_thread();
     for (HostValue& value : values_) value.is_new = true;
     take_values();
-    renew();
+    attempt([this] { renew(); });
     setLatency(latency());
-    this->hosted.prepare(getSampleRate());
+    attempt([this] { this->hosted.prepare(getSampleRate()); });
     is_active_ = true;
-    thread_ = std::thread([this] {
-      for (; is_active_; std::this_thread::sleep_for(kLook)) renew();
-    });
+    attempt([this] { thread_ = std::thread([this] { renew_while_active(); }); });
     volume_ = volume_target_;
     for (Peak& peak : peaks_) peak.fallen = 0;
     volume_rate_ = static_cast<float>(-std::expm1(-1 / (kVolume.glide_s * getSampleRate())));
@@ -366,7 +395,9 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
   const std::array<std::uint32_t, std::size(kOversamplings)> latencies_ = all_latencies();  // samples
   std::atomic<int> oversampling_ = 1;                                                       // that the host wants
   int made_oversampling_ = 1;
+  double made_rate_hz_ = 0;
   std::atomic<bool> is_active_ = false;
+  std::atomic<int> wakes_ = 0;   // of the thread, where no file is watched
   std::thread thread_;           // while it is active
   std::vector<double> factors_;  // unit for people over the instrument's
   std::vector<HostValue> values_;

@@ -8,11 +8,13 @@
 #endif
 
 #include <concepts>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
+#include <map>
+#include <sstream>
 #include <string>
 #include <system_error>
 #include <type_traits>
@@ -34,15 +36,22 @@ class WatchedFile {
     if (folder != nullptr && *folder != '\0') file_ = std::filesystem::path(folder) / (instrument + ".json");
   }
 
-  /// The instrument of the file, if this or another one of its folder has changed since the last call, and it can be
-  /// used. Not prepared.
+  [[nodiscard]] bool is_there() const { return !file_.empty(); }  ///< does the environment tell one?
+
+  /// The instrument of the file, if this or one that it names has changed since the last call, and it can be used.
+  /// Not prepared.
   [[nodiscard]] Handle<T> changed(double sample_rate_hz) {
-    if (file_.empty() || !is_newer()) return nullptr;
+    if (!is_there()) return nullptr;
+    Files files = files_now();
+    if (!files.contains(file_) || !has_changed(files)) return nullptr;
     std::ifstream stream(file_);
-    std::string text{std::istreambuf_iterator<char>(stream), {}};
-    if (!stream) return nullptr;
-    Handle<T> handle = read(text, sample_rate_hz);
-    if (handle) text_ = std::move(text);
+    std::ostringstream text;
+    text << stream.rdbuf();
+    if (!stream || !text) return nullptr;  // the next call tries again
+    seen_ = std::move(files);
+    read_ = std::move(text).str();
+    Handle<T> handle = read(read_, sample_rate_hz);
+    if (handle) text_ = read_;
     return handle;
   }
   /// The same of the last text that could be used; null where there is none.
@@ -51,21 +60,38 @@ class WatchedFile {
   }
 
  private:
-  using Time = std::filesystem::file_time_type;
+  struct State {
+    std::filesystem::file_time_type time;
+    std::uintmax_t bytes;
+    bool operator==(const State&) const = default;
+  };
+  using Files = std::map<std::filesystem::path, State>;
 
-  [[nodiscard]] bool is_newer() {
-    const Time time = newest();
-    return time != std::exchange(seen_, time);
+  // The files of the folder: an instrument may name materials beside it.
+  [[nodiscard]] Files files_now() const {
+    Files files;
+    std::error_code failed;
+    for (std::filesystem::directory_iterator entry(file_.parent_path(), failed), end; !failed && entry != end;
+         entry.increment(failed)) {
+      if (entry->path().extension() != ".json") continue;
+      std::error_code unknown;
+      const State state{entry->last_write_time(unknown),
+                        entry->is_regular_file(unknown) ? entry->file_size(unknown) : 0};
+      if (!unknown) files.emplace(entry->path(), state);
+    }
+    if (failed) files.clear();  // what is missing would count as changed
+    return files;
   }
 
-  // When a file of the folder has changed last: an instrument may name materials beside it.
-  [[nodiscard]] Time newest() const {
-    Time newest = Time::min();
-    std::error_code failed;
-    for (const auto& entry : std::filesystem::directory_iterator(file_.parent_path(), failed))
-      if (entry.path().extension() == ".json")
-        if (const Time time = entry.last_write_time(failed); !failed && time > newest) newest = time;
-    return newest;
+  // Is the file another one than was seen, or one whose name stands in what was read?
+  [[nodiscard]] bool has_changed(const Files& now) const {
+    const auto differs = [&](const Files& files, const Files& others) {
+      for (const auto& [path, state] : files)
+        if (path == file_ || read_.find(path.stem().string()) != std::string::npos)
+          if (const auto other = others.find(path); other == others.end() || other->second != state) return true;
+      return false;
+    };
+    return differs(now, seen_) || differs(seen_, now);
   }
 
   // Of the library for C, which stays loaded; null where it is missing, as it always is on Windows.
@@ -95,8 +121,8 @@ class WatchedFile {
   }
 
   std::filesystem::path file_;  // empty: nobody watches
-  Time seen_ = Time::min();
-  std::string text_;  // the last that could be used
+  Files seen_;                  // as they were when the file was read
+  std::string read_, text_;     // the last, and the last that could be used
 };
 
 }  // namespace contactspline

@@ -114,6 +114,23 @@ TEST(CLibraryReplace, IsThereAtOnceBesideSilence) {
   EXPECT_EQ(next_of(handle, 1000).first, next_of(expected, 1000).first);
 }
 
+// One that sleeps calls nothing, but the next one is there after a block, or an event that sets what it has.
+TEST(CLibraryReplace, TakesThePlaceOfOneThatSleeps) {
+  for (const bool is_set : {false, true}) {
+    const auto of_first_value = [](int value) {
+      return plate(400, R"(, { "name": "arm", "damping_per_s": ["rim"], "max": 500, "initial": )" +
+                            std::to_string(value) + " }");
+    };
+    const Handle handle = create(of_first_value(1));
+    const std::size_t hand = parameter(handle, "hand_damping_per_s"), arm = parameter(handle, "arm_damping_per_s");
+    (void)next_of(handle, 4096);
+    replace(handle, create(of_first_value(5)));
+    if (is_set) contactspline_set(handle.get(), hand, contactspline_get(handle.get(), hand));
+    (void)next_of(handle, 1);
+    EXPECT_EQ(contactspline_get(handle.get(), arm), 5) << is_set;
+  }
+}
+
 TEST(CLibraryReplace, KeepsValuesAndOutputsByName) {
   const std::string more_controls = R"(, { "name": "arm", "damping_per_s": ["rim"], "max": 500, "initial": 1 })";
   const std::string more_outputs = R"({ "name": "push", "force_n": "tip" }, )";

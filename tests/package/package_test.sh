@@ -1078,7 +1078,7 @@ case_c() {
   blocks_of "$page" sh block
   run bash -ex block1.sh
   loudest first.raw 192000
-  run cc -std=gnu99 -Wall -Wextra -Werror -fsyntax-only "-I$prefix/include" block2.c
+  run cc -std=c99 -Wall -Wextra -Werror -fsyntax-only "-I$prefix/include" block2.c
 
   # Only functions of the interface are visible, each with a version, and contactspline_handle(), which plug-ins call.
   nm -D --defined-only "$prefix"/lib/libcontactspline.so | awk '$2 != "A" && !/contactspline_handle@/ { print $3 }' >symbols

@@ -11,6 +11,7 @@
 
 #include "contactspline/data/model_parameters.hpp"
 #include "contactspline/host/hosted.hpp"
+#include "contactspline/host/replaceable.hpp"
 #include "support/compare.hpp"
 #include "support/midi_files.hpp"
 
@@ -75,7 +76,8 @@ TEST(MidiStream, KeepsWhatIsWhole) {
 /// Writes down what happens to it.
 class Witness final : public AnyInstrument<float> {
  public:
-  explicit Witness(bool bends) : bends_(bends) {}
+  explicit Witness(bool bends, double hardness = 1, double step = 0)
+      : bends_(bends), step_(step), values_{0, 0, 0, 0, hardness} {}
 
   [[nodiscard]] const char* name() const override { return "witness"; }
   [[nodiscard]] const char* description() const override { return ""; }
@@ -89,7 +91,8 @@ class Witness final : public AnyInstrument<float> {
   [[nodiscard]] bool bends_keys() const override { return bends_; }
   void prepare(double) override {}
   void play(const TimedEvent& event) override {
-    if (event.action == Action::kSet) values_.at(event.number) = event.value;
+    if (event.action == Action::kSet)
+      values_.at(event.number) = step_ > 0 ? step_ * std::round(event.value / step_) : event.value;
     happened +=
         fmt::format("{}:{}={:.6g} ", kNames.at(static_cast<std::size_t>(event.action)), event.number, event.value);
   }
@@ -108,11 +111,12 @@ class Witness final : public AnyInstrument<float> {
   static constexpr std::array<Parameter, 5> kList = {
       {{"sustain", "", {0, 1}, {0, 1}, 0, Scale::kLinear, Acts::kAtOnce, 0, 64},
        {"sostenuto", "", {0, 1}, {0, 1}, 0, Scale::kLinear, Acts::kAtOnce, 0, 66},
-       {"bend_cents", "cents", {-1200, 1200}, {-200, 200}, 0},
+       {"bend_cents", "cents", {-1200, 1200}, {-200, 200}, 0, Scale::kLinear, Acts::kAtOnce, 0.02},
        {"modulation", "", {0, 1}, {0, 2}, 0, Scale::kLinear, Acts::kAtOnce, 0, 1},
        {"hardness", "", {0, 10}, {1, 3}, 1, Scale::kLinear, Acts::kAtOnce, 0, 74}}};
   bool bends_;
-  std::array<double, 5> values_{0, 0, 0, 0, 1};
+  double step_;  // to which it rounds values; 0: to none
+  std::array<double, 5> values_;
 };
 
 // What a stream does to an instrument that bends its keys alone, or as a whole.
@@ -186,7 +190,7 @@ const Live kLive[] = {
      "bend:60=-275 on:60=0.708661 "},
     {"AllNotesOff", on(60) + controller(123, 0, 1) + controller(123, 0), kStruck + kLetGo},
     {"ModeLetsGo", on(60) + controller(126, 1), kStruck + kLetGo},
-    {"AllSoundOff", on(60) + controller(120, 0), kStruck + kLetGo + "rest set:0=0 set:1=0 set:2=0 set:3=0 set:4=1 "},
+    {"AllSoundOff", on(60) + controller(120, 0), kStruck + kLetGo + "rest "},
     {"ResetOfControllers", controller(64, 127) + wheel(0) + on(60) + controller(121, 0),
      "set:0=1 bend:60=-200 on:60=0.708661 set:0=0 set:1=0 set:3=0 bend:60=0 "},
     {"SystemReset", choose(0) + controller(6, 12) + bytes({0xff}) + wheel(0) + on(60),
@@ -196,10 +200,40 @@ const Live kLive[] = {
            for (int channel = 1; channel < 16; ++channel) more += "set:0=0 set:1=0 set:3=0 ";
            return more;
          }() +
-         "rest set:0=0 set:1=0 set:2=0 set:3=0 set:4=1 bend:60=-200 on:60=0.708661 "},
+         "rest set:0=0 set:1=0 set:3=0 bend:60=-200 on:60=0.708661 "},
     {"Damaged", bytes({0x90, 60, 0xf5, 64, 62}) + bytes({0x85, 60}) + bytes({0xc0, 5}), ""},
 };
 INSTANTIATE_TEST_SUITE_P(All, LiveMidi, ::testing::ValuesIn(kLive), [](const auto& live) { return live.param.test; });
+
+// What nobody has set is the next instrument's own, also after a rest.
+TEST(Hosted, ResetsOnlyWhatWasSet) {
+  auto replaceable = std::make_unique<Replaceable<float>>(std::make_unique<Witness>(true));
+  auto& next = *replaceable;
+  Hosted<float> hosted(std::move(replaceable));
+  hosted.prepare(48000);
+  hosted.set(0, 0.5);
+  next.offer(std::make_unique<Witness>(true, 2));
+  hosted.reset();
+  EXPECT_EQ(hosted.target(0), 0.5);
+  EXPECT_EQ(hosted.instrument().value(0), 0.5);
+  EXPECT_EQ(hosted.target(4), 2);
+  EXPECT_EQ(hosted.instrument().value(4), 2);
+}
+
+// A glide of 20 ms takes that long in an instrument that rounds to whole cents: after 40 ms exp(-2) of the way is
+// left, which is rounded, and at its end nothing.
+TEST(Hosted, GlidesThroughAnInstrumentThatRounds) {
+  Hosted<float> hosted(std::make_unique<Witness>(true, 1, 1));
+  hosted.prepare(48000);
+  std::array<float, 1920> left;
+  std::array<float*, 2> outputs = {left.data(), nullptr};
+  hosted.process<float>(outputs, 1);
+  hosted.set(2, 100);
+  hosted.process<float>(outputs, 1920);
+  EXPECT_NEAR(hosted.instrument().value(2), 100 * (1 - std::exp(-2)), 0.5);
+  for (int n = 0; n < 25; ++n) hosted.process<float>(outputs, 1920);
+  EXPECT_EQ(hosted.instrument().value(2), 100);
+}
 
 // Whatever comes in, each note ends once, the first of its key and channel first, and none is left after a reset.
 TEST(HostileMidi, EndsEachNoteOnce) {

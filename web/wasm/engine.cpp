@@ -220,15 +220,17 @@ CONTACTSPLINE_WEB(int, engine_choose, int number, double sample_rate_hz, int fac
   return 1;
 }
 
-/// Lets the user's own instrument take the place of the one that plays, while it sounds. 0 if there is none.
-/// Allocates.
+/// Lets the user's own instrument take the place of the one that plays, while it sounds, in all voices. 0 if there
+/// is none, or one of them computes in double precision. Allocates.
 CONTACTSPLINE_WEB(int, engine_replace) {
   if (own.empty() || voices.empty()) return 0;
   const bool has_keys = !UnpackedInstrument(own).data().keyed.ranges.empty();
-  voices.front().instrument->replace(has_keys ? handle_of<OfBytes<Voices<NetworkInstrument<float>>>>(own)
-                                              : handle_of<OfBytes<NetworkInstrument<float>>>(own),
-                                     chosen_rate_hz);
-  return 1;
+  bool all = true;
+  for (const Voice& each : voices)
+    all &= each.instrument->replace(has_keys ? handle_of<OfBytes<Voices<NetworkInstrument<float>>>>(own)
+                                             : handle_of<OfBytes<NetworkInstrument<float>>>(own),
+                                    chosen_rate_hz);
+  return all;
 }
 
 /// Adds a voice: the same instrument once more, with its strings tuned by so many cents, or with one of

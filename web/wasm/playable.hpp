@@ -47,8 +47,9 @@ class Playable {
   /// Of the last strike; null where none are kept.
   [[nodiscard]] virtual const Books* books() const = 0;
   virtual void watch_none() = 0;
-  /// Lets another instrument take its place, at `oversampling`, while it sounds (replaceable.hpp).
-  virtual void replace(Handle<float> next, double sample_rate_hz) = 0;
+  /// Lets another instrument take its place, at `oversampling`, while it sounds (replaceable.hpp). False where it
+  /// computes in another precision.
+  virtual bool replace(Handle<float> next, double sample_rate_hz) = 0;
 };
 
 /// How many times finer than their host the instruments run that are made from now on: one of kOversamplings.
@@ -169,12 +170,14 @@ class PlayableBehind final : public Playable {
   void watch_none() override {
     if constexpr (requires { own_.watch_none(); }) own_.watch_none();
   }
-  void replace(Handle<float> next, double sample_rate_hz) override {
+  bool replace(Handle<float> next, double sample_rate_hz) override {
     if constexpr (std::same_as<T, float>) {
       next = at_oversampling(std::move(next));
       next->prepare(sample_rate_hz);
       replaceable_.offer(std::move(next));
+      return true;
     }
+    return false;
   }
 
  private:

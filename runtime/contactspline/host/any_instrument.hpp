@@ -51,6 +51,8 @@ class AnyInstrument {
   [[nodiscard]] virtual bool is_at_rest(double limit_j) const = 0;  ///< false where the instrument does not say
   [[nodiscard]] virtual bool sleeps() const = 0;                    ///< is it silent until it is played?
   [[nodiscard]] virtual Books books() const = 0;
+  /// Does another instrument wait to take its place at the next event or block?
+  [[nodiscard]] virtual bool has_next() const { return false; }
 
   void set(std::size_t parameter, double value) { play({0, Action::kSet, parameter, value}); }
   void note_on(int key, double velocity) { play({0, Action::kNoteOn, static_cast<std::size_t>(key), velocity}); }

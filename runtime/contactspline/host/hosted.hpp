@@ -10,6 +10,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -44,7 +45,8 @@ class Hosted {
  public:
   explicit Hosted(Handle<T> handle)
       : sleeper_(std::move(handle)), midi_(midi_settings(instrument())), buttons_(instrument().events().size()) {
-    for (std::size_t p = 0; p < instrument().parameters().size(); ++p) targets_.push_back(instrument().value(p));
+    targets_.resize(instrument().parameters().size(), std::numeric_limits<double>::quiet_NaN());
+    now_.resize(targets_.size());
     rates_.resize(targets_.size());
     outputs_.resize(instrument().outputs().size());
     scratch_.resize(outputs_.size());
@@ -65,14 +67,16 @@ class Hosted {
   void set(std::size_t parameter, double value) {
     if (parameter >= targets_.size() || !is_number(value)) return;
     const Parameter& p = instrument().parameters()[parameter];
-    const double target = held(targets_[parameter], value, p.allowed);
-    targets_[parameter] = target;
+    if (!is_set(parameter)) now_[parameter] = instrument().value(parameter);
+    targets_[parameter] = held(targets_[parameter], value, p.allowed);
     if (rates_[parameter] < 1 && !is_new_)
       is_gliding_ = true;
     else
       set_now(parameter, targets_[parameter]);
   }
-  [[nodiscard]] double target(std::size_t parameter) const { return targets_[parameter]; }
+  [[nodiscard]] double target(std::size_t parameter) const {
+    return is_set(parameter) ? targets_[parameter] : instrument().value(parameter);
+  }
 
   /// Moves the button of an event: when it goes down, the event is played, when it goes up, a bow is lifted. Without
   /// a key the damper stays up.
@@ -81,7 +85,7 @@ class Hosted {
     buttons_[event] = is_down;
     const Event& played = instrument().events()[event];
     if (!is_down && played.kind != EventKind::kBow) return;
-    const double value = is_down ? targets_[played.parameter] : 0;
+    const double value = is_down ? target(played.parameter) : 0;
     sleeper_.play({0, action_of(played.kind), played.number, value, kPluckRise_s});
   }
 
@@ -120,7 +124,8 @@ class Hosted {
     sleeper_.reset();
     midi_.drop_notes();
     std::fill(buttons_.begin(), buttons_.end(), false);
-    for (std::size_t p = 0; p < targets_.size(); ++p) set_now(p, targets_[p]);
+    for (std::size_t p = 0; p < targets_.size(); ++p)
+      if (is_set(p)) set_now(p, targets_[p]);
     is_gliding_ = false;
     is_new_ = true;
   }
@@ -178,7 +183,11 @@ class Hosted {
       if (std::string_view(instrument().parameters()[p].name) == "bend_cents") set(p, cents);
   }
 
-  void set_now(std::size_t parameter, double value) { sleeper_.play({0, Action::kSet, parameter, value}); }
+  [[nodiscard]] bool is_set(std::size_t parameter) const { return is_number(targets_[parameter]); }
+  void set_now(std::size_t parameter, double value) {
+    now_[parameter] = value;
+    sleeper_.play({0, Action::kSet, parameter, value});
+  }
 
   template <typename Sample>
   void play(std::span<Sample* const> outputs, std::size_t begin, std::size_t samples, std::span<T> force) {
@@ -198,14 +207,11 @@ class Hosted {
     if (!is_gliding_) return false;
     is_gliding_ = false;
     for (std::size_t p = 0; p < targets_.size(); ++p) {
-      const double now = instrument().value(p);
-      if (now == targets_[p]) continue;
-      const double next = now + rates_[p] * (targets_[p] - now);
-      // What the instrument's precision no longer shows ends the glide, and so does the end of the range of one that
-      // has taken the place of another.
-      bool arrives = static_cast<T>(next) == static_cast<T>(now);
+      if (!is_set(p) || now_[p] == targets_[p]) continue;
+      const double next = now_[p] + rates_[p] * (targets_[p] - now_[p]);
+      // What the instrument's precision no longer shows ends the glide.
+      const bool arrives = static_cast<T>(next) == static_cast<T>(now_[p]);
       set_now(p, arrives ? targets_[p] : next);
-      arrives |= instrument().value(p) == now;
       is_gliding_ |= !arrives;
     }
     return is_gliding_;
@@ -213,9 +219,10 @@ class Hosted {
 
   Sleeper<T> sleeper_;
   MidiInterpreter midi_;
-  double bend_cents_ = 0;                // by MIDI, of an instrument that bends as a whole
-  std::vector<double> targets_, rates_;  // of the parameters; rates: of their glides over a sample
-  std::vector<bool> buttons_;            // that are down
+  double bend_cents_ = 0;            // by MIDI, of an instrument that bends as a whole
+  std::vector<double> targets_;      // of the parameters; not a number: it was never set
+  std::vector<double> now_, rates_;  // where their glides are, and by which part these advance in a sample
+  std::vector<bool> buttons_;        // that are down
   std::vector<std::span<T>> outputs_;
   std::vector<std::array<T, kBlock>> scratch_;
   bool is_gliding_ = false;

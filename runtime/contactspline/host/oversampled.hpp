@@ -71,6 +71,7 @@ class Oversampled final : public AnyInstrument<T> {
   [[nodiscard]] bool is_at_rest(double limit_j) const override { return instrument_->is_at_rest(limit_j); }
   [[nodiscard]] bool sleeps() const override { return instrument_->sleeps(); }
   [[nodiscard]] Books books() const override { return instrument_->books(); }
+  [[nodiscard]] bool has_next() const override { return instrument_->has_next(); }
 
  private:
   static constexpr std::size_t kBlock = 64;  // samples of the host

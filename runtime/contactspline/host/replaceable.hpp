@@ -53,8 +53,8 @@ class Replaceable final : public AnyInstrument<T> {
 
   /// Offers an instrument that is prepared at the rate of this one. On any thread but that of play() and process(),
   /// by one thread at a time. One that was offered before and has not begun to play is deleted, and those that have
-  /// ended.
-  void offer(Handle<T> next) {
+  /// ended. Where memory is missing, it throws and `next` stays the caller's.
+  void offer(Handle<T>&& next) {
     delete_retired();
     auto player = std::make_unique<Player>(std::move(next), first_->handle.get());
     pass_on_values(*player);
@@ -127,6 +127,7 @@ class Replaceable final : public AnyInstrument<T> {
   }
   [[nodiscard]] bool sleeps() const override { return first().sleeps(); }
   [[nodiscard]] Books books() const override { return now_->handle->books(); }
+  [[nodiscard]] bool has_next() const override { return offered_.load(std::memory_order_relaxed) != nullptr; }
 
  private:
   static constexpr std::size_t kBlock = 64;  // samples
@@ -146,13 +147,14 @@ class Replaceable final : public AnyInstrument<T> {
 
   /// An instrument that is played by the lists of the first one.
   struct Player {
-    Player(Handle<T> instrument, const AnyInstrument<T>* first)
-        : handle(std::move(instrument)),
-          played_as(first != nullptr ? *first : *handle),
-          parameters(places(played_as.parameters(), handle->parameters())),
-          events(places(played_as.events(), handle->events())),
-          outputs(places(played_as.outputs(), handle->outputs())),
-          spans(handle->outputs().size()) {}
+    // Takes the instrument last, when nothing can fail any more.
+    Player(Handle<T>&& instrument, const AnyInstrument<T>* first)
+        : played_as(first != nullptr ? *first : *instrument),
+          parameters(places(played_as.parameters(), instrument->parameters())),
+          events(places(played_as.events(), instrument->events())),
+          outputs(places(played_as.outputs(), instrument->outputs())),
+          spans(instrument->outputs().size()),
+          handle(std::move(instrument)) {}
 
     /// The event by this one's own numbers; nothing where it has none.
     [[nodiscard]] std::optional<TimedEvent> own_event(TimedEvent event) const {
@@ -194,10 +196,10 @@ class Replaceable final : public AnyInstrument<T> {
       }
     }
 
-    Handle<T> handle;
     const AnyInstrument<T>& played_as;
     std::vector<std::size_t> parameters, events, outputs;  // its own numbers, of the lists that it is played by
     std::vector<std::span<T>> spans;
+    Handle<T> handle;
     std::array<T, kBlock> unwanted;
     Player* next_retired = nullptr;
   };
@@ -219,7 +221,7 @@ class Replaceable final : public AnyInstrument<T> {
   }
 
   void take() {
-    if (old_ != nullptr || offered_.load(std::memory_order_relaxed) == nullptr) return;
+    if (old_ != nullptr || !has_next()) return;
     if (Player* const next = offered_.exchange(nullptr, std::memory_order_acq_rel)) begin(next);
   }
 

@@ -22,8 +22,9 @@
 namespace contactspline {
 
 /// Plays an instrument and computes nothing while it rests. One that is silent falls asleep: its outputs are exactly
-/// 0 until an event or a new value of a parameter wakes it. One that rests under a load, as a slide does that a hand
-/// presses, falls asleep too: its outputs stay where they are. The constructor and prepare() allocate, nothing else.
+/// 0 until an event, a new value of a parameter or another instrument (replaceable.hpp) wakes it. One that rests
+/// under a load, as a slide does that a hand presses, falls asleep too: its outputs stay where they are. The
+/// constructor and prepare() allocate, nothing else.
 template <std::floating_point T>
 class Sleeper {
  public:
@@ -33,7 +34,7 @@ class Sleeper {
   }
 
   [[nodiscard]] const AnyInstrument<T>& instrument() const { return *instrument_; }
-  [[nodiscard]] Handle<T> release() { return std::move(instrument_); }  ///< ends this
+  [[nodiscard]] Handle<T>&& release() { return std::move(instrument_); }  ///< whoever takes it ends this
 
   void prepare(double sample_rate_hz) {
     instrument_->prepare(sample_rate_hz);
@@ -42,9 +43,10 @@ class Sleeper {
 
   /// Does what an event says, now.
   void play(const TimedEvent& event) {
+    const bool has_next = instrument_->has_next();
     const std::optional<double> before = value_of(event);
     instrument_->play(event);
-    if (!before || *before != value_of(event)) wake();
+    if (has_next || !before || *before != value_of(event)) wake();
   }
 
   void reset() {
@@ -92,7 +94,7 @@ class Sleeper {
   }
 
   void process_wanted(Outputs<T> outputs, std::span<T> force, std::size_t samples) {
-    if (is_asleep_ && !stay(outputs, force)) wake();
+    if (is_asleep_ && (instrument_->has_next() || !stay(outputs, force))) wake();
     if (is_asleep_) return;
     instrument_->process(outputs, force);
     force_ = force.empty() ? std::nullopt : std::optional(force.back());
