@@ -165,6 +165,19 @@ void add_cpp_pressure(const InstrumentArrays& arrays, std::string& text, std::ve
   view[8] = "pressure_taps";
 }
 
+// Adds the bows to the text and to the view of them.
+void add_cpp_bows(const InstrumentModel& model, const InstrumentArrays& arrays, std::string& text,
+                  std::vector<std::string>& view) {
+  if (arrays.bows.empty()) return;
+  text += cpp_array("InstrumentBow", arrays.bows.size(), "bows",
+                    "{\n" + rows_of(arrays.bows, "        ", [](const InstrumentBow& bow, std::size_t) {
+                      return fmt::format("{{{}, {}, {{{}, {}}}}}", bow.first, bow.count,
+                                         literal(bow.limits.min_n_s_per_m), literal(bow.limits.max_n_s_per_m));
+                    }) + "}");
+  view[12] = "bows";
+  view[13] = place_or("kNoParameter", model.assistance);
+}
+
 // What keys, presets, places that move, memories, listening places, loads at rest and bodies that stretch add to the
 // arrays, and to the view of them.
 void add_cpp_options(const InstrumentModel& model, const InstrumentArrays& arrays, TemplateValues& values) {
@@ -210,15 +223,7 @@ void add_cpp_options(const InstrumentModel& model, const InstrumentArrays& array
     view[10] = "stretch_squares";
     view[11] = "stretch_stiffnesses";
   }
-  if (!arrays.bows.empty()) {
-    text += cpp_array("InstrumentBow", arrays.bows.size(), "bows",
-                      "{\n" + rows_of(arrays.bows, "        ", [](const InstrumentBow& bow, std::size_t) {
-                        return fmt::format("{{{}, {}, {{{}, {}}}}}", bow.first, bow.count,
-                                           literal(bow.limits.min_n_s_per_m), literal(bow.limits.max_n_s_per_m));
-                      }) + "}");
-    view[12] = "bows";
-    view[13] = place_or("kNoParameter", model.assistance);
-  }
+  add_cpp_bows(model, arrays, text, view);
   while (!view.empty() && view.back() == "{}") view.pop_back();
   values["OPTIONS_VIEW"] = view.empty() ? "" : fmt::format(",\n              {}", fmt::join(view, ", "));
 }
