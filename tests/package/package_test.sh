@@ -464,7 +464,7 @@ case_arguments() {
   done
   expect_refusal "${prefix}DSP: missing; needed: DSP or INSTRUMENT" TARGET t
   expect_refusal "${prefix}INSTRUMENT: stands beside DSP" TARGET t DSP ball.dsp INSTRUMENT snare
-  expect_refusal "${prefix}INSTRUMENT: no 'snarl' ships or is emitted as cpp by MATERIALS; allowed: classical_guitar, " \
+  expect_refusal "${prefix}INSTRUMENT: no 'snarl' ships or is emitted as cpp by MATERIALS; allowed: cello, classical_guitar, " \
     TARGET t INSTRUMENT snarl
   expect_refusal "${prefix}'URI' is unknown; allowed: TARGET, DSP, VOICES, INSTRUMENT, OUTPUT_DIR, MATERIALS" \
     TARGET t DSP ball.dsp URI urn:a:b
@@ -816,7 +816,7 @@ END
   local function=contactspline_plugin prefix='contactspline_plugin: '
   expect_refusal "${prefix}INSTRUMENT: missing; needed: INSTRUMENT, or HEADER with CLASS" TARGET t
   expect_refusal "${prefix}INSTRUMENT: stands beside HEADER or CLASS" TARGET t INSTRUMENT piano CLASS C
-  expect_refusal "${prefix}INSTRUMENT: no 'snarl' ships or is emitted as cpp by MATERIALS; allowed: classical_guitar, " \
+  expect_refusal "${prefix}INSTRUMENT: no 'snarl' ships or is emitted as cpp by MATERIALS; allowed: cello, classical_guitar, " \
     TARGET t INSTRUMENT snarl
   expect_refusal "${prefix}TARGET: 'a.b' is not usable" TARGET a.b INSTRUMENT piano
   expect_refusal "${prefix}FORMATS: 'vst2' is unknown; allowed: clap, vst3, lv2" TARGET t INSTRUMENT piano FORMATS vst2
