@@ -208,9 +208,10 @@ class HostTest:
             middle = [(0, "set", name, as_single((low + high) / 2)) for name, (low, high, _) in movable.items()]
             sounding, again = ([((first + n) * BLOCK, *command) for n, command in enumerate(instrument.something_to_hear())]
                                for first in (2, 40))
+            let_go = [(30 * BLOCK, "note", 60, 0),
+                      *((30 * BLOCK, "play", event, 0) for event in instrument.events if event.startswith("bow_"))]
             scenes = [(lambda move: [(0, *move), *sounding], sounding),
-                      (lambda move: [*sounding, (20 * BLOCK, *move), (30 * BLOCK, "note", 60, 0), *again],
-                       [*sounding, (30 * BLOCK, "note", 60, 0), *again]),
+                      (lambda move: [*sounding, (20 * BLOCK, *move), *let_go, *again], [*sounding, *let_go, *again]),
                       (lambda move: [*(row for row in middle if row[2] != move[1]), (0, *move), *sounding], [*middle, *sounding])]
             plain = [None] * len(scenes)
 
