@@ -314,7 +314,7 @@ class violin : public Voices<NetworkInstrument<T>> {
         {"bow_on_a", EventKind::kBow, 2, 4},
         {"bow_on_e", EventKind::kBow, 3, 4}}};
     static constexpr std::array<Output, 2> outputs = {{
-        {"wood_velocity_m_per_s", "m/s", 0.006},
+        {"wood_velocity_m_per_s", "m/s", 0.021},
         {"bridge_force_n", "N", 3.0}}};
     static constexpr std::array<KeyRange, 4> key_ranges = {{
         {55, 61, 0, 55, 0},

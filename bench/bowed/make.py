@@ -44,7 +44,7 @@ INSTRUMENTS = {
         "description": "four strings of a violin under a bow", "length_m": 0.325, "behind_m": 0.012,
         "strings": [("g", 55, 46, 6e-5), ("d", 62, 47.7198, 5e-5), ("a", 69, 55, 3e-5), ("e", 76, 76, 4.5e-5)],
         "low": [(275, 29, 0.6), (405, 30, 0.5), (455, 35, 0.2), (540, 42, 0.15), (700, 55, 0.4), (850, 70, 0.35), (1010, 80, 0.35)],
-        "from_hz": 1100, "force_n": 0.5, "full_scale": 0.006, "about": """\
+        "from_hz": 1100, "force_n": 0.5, "full_scale": 0.021, "about": """\
 // A violin under a rigid bow of one point. The D string has the impedance of a steel D string, 0.25 kg/s (Schoonderwaldt, Guettler
 // and Askenfelt, Acta Acustica united with Acustica 94, 2008); the tensions of the others are typical ones. Lowest modes of the
 // body about A0, CBR, B1- and B1+.

@@ -255,6 +255,10 @@ class ControlReader {
                  "a friction");
       if (std::ranges::find(model_.bows, group, &ModelBow::group) != model_.bows.end())
         row.fail(row.key("friction"), fmt::format("'{}' is named twice", name), "once");
+      for (const ControlQuantity quantity : {ControlQuantity::kNormalForce, ControlQuantity::kSurfaceSpeed})
+        if (value_of(quantity, group) == 0 && !draft_.controlled.contains({quantity, group}))
+          row.fail(row.key("friction"), fmt::format("'{}' has no {}", name, control_quantity<double>(quantity).key),
+                   fmt::format("{0} in the friction, or a control of it", control_quantity<double>(quantity).key));
       model_.events.push_back({"bow_" + name, EventKind::kBow, model_.bows.size(), model_.parameters.size()});
       model_.bows.push_back({group, limits_of(row)});
     }

@@ -301,6 +301,8 @@ INSTANTIATE_TEST_SUITE_P(
                       BadBows{R"({ "friction": "on_high" })", R"({ "friction": "on_low" })", "twice"},
                       BadBows{R"("min_n_s_per_m": 1, )", "", "min_n_s_per_m"},
                       BadBows{R"("min_n_s_per_m": 1)", R"("min_n_s_per_m": 5)", "below"},
+                      BadBows{R"("surface_speed_m_per_s": ["on_low", "on_high"])",
+                              R"("surface_speed_m_per_s": "on_low")", "'on_high' has no surface_speed_m_per_s"},
                       BadBows{R"("controller": 2)", R"("controller": 64)", "pedal"},
                       BadBows{R"("controller": 2)", R"("controller": 200)", "119"},
                       BadBows{R"("controller": "pressure")", R"("controller": "breath")", "pressure"},
