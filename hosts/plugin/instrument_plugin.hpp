@@ -179,7 +179,8 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
 
   static void describe_oversampling(DISTRHO_NAMESPACE::Parameter& parameter) {
     using namespace DISTRHO_NAMESPACE;
-    parameter.hints = kParameterIsInteger | kParameterIsLogarithmic;
+    // Without the first hint the framework writes a property into LV2 files that validators do not know.
+    parameter.hints = kParameterIsAutomatable | kParameterIsInteger | kParameterIsLogarithmic;
     parameter.name = parameter.symbol = "oversampling";
     parameter.ranges = {1, 1, static_cast<float>(kOversamplings[std::size(kOversamplings) - 1])};
     parameter.enumValues.count = std::size(kOversamplings);
