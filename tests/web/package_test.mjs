@@ -508,7 +508,7 @@ const browserCases = {
   },
 
   "each parameter changes the sound": async (page) => {
-    const silent = await page.evaluate(async () => {
+    const silentOf = async (instrument) => {
       const { ContactSpline, instruments } = await import("../contactspline.js");
       const render = async (name, parameter) => {
         const context = new OfflineAudioContext(2, 0.4 * 44100, 44100);
@@ -523,15 +523,20 @@ const browserCases = {
         return (await context.startRendering()).getChannelData(0);
       };
       const silent = [];
-      for (const { name, parameters } of await instruments()) {
-        const usual = await render(name);
-        for (const parameter of parameters) {
-          const moved = await render(name, parameter);
-          if (moved.every((x, i) => x === usual[i])) silent.push(`${name} ${parameter.name}`);
-        }
+      const { name, parameters } = (await instruments())[instrument];
+      const usual = await render(name);
+      for (const parameter of parameters) {
+        const moved = await render(name, parameter);
+        if (moved.every((x, i) => x === usual[i])) silent.push(`${name} ${parameter.name}`);
       }
       return silent;
-    });
+    };
+    const silent = [];
+    const { length } = await page.evaluate(async () => (await import("../contactspline.js")).instruments());
+    for (let instrument = 0; instrument < length; ++instrument) {
+      await page.reload(); // a page has room for so many memories, which its contexts keep
+      silent.push(...(await page.evaluate(silentOf, instrument)));
+    }
     // Pedals that hold what other pedals or keys do, and the rate of a vibrato without width.
     assert.deepEqual(silent, ["piano sostenuto", "slide_string vibrato_hz"]);
   },
