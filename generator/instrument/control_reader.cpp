@@ -229,7 +229,7 @@ class ControlReader {
   }
 
   // What of MIDI moves a control.
-  void read_controller(const JsonObject& json, ModelParameter& parameter) const {
+  static void read_controller(const JsonObject& json, ModelParameter& parameter) {
     if (json.has_text("controller")) {
       constexpr auto kAllowed = "\"pressure\" or an integer from 1 to 119";
       const std::string name = json.text("controller", kAllowed);
