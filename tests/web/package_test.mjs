@@ -518,6 +518,7 @@ const browserCases = {
         if (parameter) node.set(parameter.name, parameter.init - parameter.min > parameter.max - parameter.init ? parameter.min : parameter.max);
         const { keys, events, parameters } = node.description;
         for (const { name } of events) node.strike(name, undefined, 0.01);
+        for (const { name } of events) if (name.startsWith("bow_")) node.strike(name, 0, 0.1); // so that the damper falls
         if (keys || parameters.some(({ controller }) => controller === 64)) node.noteOn(60, 0.7, 0.01), node.noteOff(60, 0.1), node.noteOn(60, 0.7, 0.2);
         await node.sent();
         return (await context.startRendering()).getChannelData(0);
