@@ -244,31 +244,27 @@ function(_contactspline_framework_source name)
   return(PROPAGATE framework text)
 endfunction()
 
+# Replaces what stands in `text`, source of the framework.
+macro(_contactspline_replace old new)
+  string(REPLACE "${old}" "${new}" changed "${text}")
+  if(changed STREQUAL text)
+    _contactspline_fail("${framework} has no '${old}'; allowed: version 1.6 of the framework")
+  endif()
+  set(text "${changed}")
+endmacro()
+
 # Writes instrument_clap.cpp into a folder: the framework's source. It allocates its queue of clicks by malloc() and frees
 # it by delete[], and needs a host that hears of latencies. The functions that clap.cpp defines itself get another name there.
 function(_contactspline_clap_source folder)
   _contactspline_framework_source(CLAP)
-  set(changed "${text}")
-  foreach(pair "delete[] events|std::free(events)"
-          "fHostExtensions.latency->changed(fHost)|if (fHostExtensions.latency != nullptr) fHostExtensions.latency->changed(fHost)")
-    string(REPLACE "|" ";" pair "${pair}")
-    list(GET pair 0 old)
-    list(GET pair 1 new)
-    string(REPLACE "${old};" "${new};" text "${changed}")
-    if(changed STREQUAL text)
-      _contactspline_fail("${framework} has no '${old};'; allowed: version 1.6 of the framework")
-    endif()
-    set(changed "${text}")
-  endforeach()
+  _contactspline_replace("delete[] events;" "std::free(events);")
+  _contactspline_replace("fHostExtensions.latency->changed(fHost);"
+                         "if (fHostExtensions.latency != nullptr) fHostExtensions.latency->changed(fHost);")
   # Where the framework takes the address of one, it gets that of clap.cpp.
   foreach(name plugin_reset plugin_process plugin_get_extension plugin_params_get_info plugin_params_get_value
           plugin_params_value_to_text plugin_params_text_to_value plugin_params_flush plugin_state_save plugin_state_load
           plugin_entry_init plugin_entry_deinit get_plugin_descriptor create_plugin)
-    string(REPLACE "clap_${name}(" "clap_${name}_of_framework(" text "${changed}")
-    if(changed STREQUAL text)
-      _contactspline_fail("${framework} has no 'clap_${name}('; allowed: version 1.6 of the framework")
-    endif()
-    set(changed "${text}")
+    _contactspline_replace("clap_${name}(" "clap_${name}_of_framework(")
   endforeach()
   file(CONFIGURE OUTPUT "${folder}/instrument_clap.cpp" @ONLY CONTENT "${text}")
 endfunction()

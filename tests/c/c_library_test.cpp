@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "c/handle.hpp"
 #include "contactspline.h"
 #include "contactspline/step/flush_denormals.hpp"
 #include "generator/instrument/instrument_reader.hpp"
@@ -28,11 +29,6 @@ namespace {
 constexpr double kRate = 44100;  // the emitted classes have their modes below half of it
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-struct Destroy {
-  void operator()(contactspline_instrument* instrument) const { contactspline_destroy(instrument); }
-};
-using Handle = std::unique_ptr<contactspline_instrument, Destroy>;
 
 Handle create(const char* name, int precision = CONTACTSPLINE_DOUBLE) {
   Handle handle(contactspline_create(name, kRate, precision));

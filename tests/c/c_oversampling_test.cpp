@@ -10,16 +10,12 @@
 #include <tuple>
 #include <vector>
 
+#include "c/handle.hpp"
 #include "contactspline.h"
 #include "contactspline/step/half_band.hpp"
 
 namespace contactspline::testing {
 namespace {
-
-struct Destroy {
-  void operator()(contactspline_instrument* instrument) const { contactspline_destroy(instrument); }
-};
-using Handle = std::unique_ptr<contactspline_instrument, Destroy>;
 
 constexpr double kRate = 44100;
 

@@ -17,17 +17,13 @@
 #include <thread>
 #include <vector>
 
+#include "c/handle.hpp"
 #include "contactspline.h"
 #include "support/measured.hpp"
 #include "support/real_time.hpp"
 
 namespace contactspline::testing {
 namespace {
-
-struct Destroy {
-  void operator()(contactspline_instrument* instrument) const { contactspline_destroy(instrument); }
-};
-using Handle = std::unique_ptr<contactspline_instrument, Destroy>;
 
 constexpr double kRate = 44100;
 constexpr std::size_t kFade = 441;  // 10 ms

@@ -8,15 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "c/handle.hpp"
 #include "contactspline.h"
 
 namespace contactspline::testing {
 namespace {
-
-struct Destroy {
-  void operator()(contactspline_instrument* instrument) const { contactspline_destroy(instrument); }
-};
-using Handle = std::unique_ptr<contactspline_instrument, Destroy>;
 
 Handle create(const char* name) {
   Handle handle(contactspline_create(name, 44100, CONTACTSPLINE_DOUBLE));
