@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// firefox_test.mjs NODE_MODULES PAGE.html: the page in headless Firefox: it loads, moves, renders sound, keeps the energy flat and
+// firefox_test.mjs NODE_MODULES PAGE.html: the page in headless Firefox: it loads, shows its first screens, moves, renders sound, keeps the energy flat and
 // complains of nothing. Skipped, in a line, where there is no Firefox.
 import assert from "node:assert/strict";
 import { existsSync } from "node:fs";
@@ -7,6 +7,7 @@ import { createRequire } from "node:module";
 import { join, resolve } from "node:path";
 
 import { serve } from "../../web/serve.mjs";
+import { assertFirstScreen, kFirstScreens } from "./first_screen.mjs";
 
 const [modules, file] = process.argv.slice(2);
 const executablePath = process.env.FIREFOX ?? "/usr/bin/firefox-esr";
@@ -24,8 +25,11 @@ try {
   page.on("pageerror", (error) => complaints.push(String(error)));
   await page.goto(server.address);
   await page.evaluate(() => contactSpline.loaded);
-  const at = await page.evaluate(() => contactSpline.page.stage.at);
-  await page.waitForFunction((at) => contactSpline.page.stage.at !== at, at);
+  for (const size of kFirstScreens) {
+    await page.setViewportSize(size);
+    await assertFirstScreen(page, size);
+  }
+  await page.setViewportSize({ width: 1280, height: 800 });
   const { imbalance, parts, peaks } = await page.evaluate(async () => {
     const { page, renderOffline } = contactSpline;
     const { study, energies } = page.stage;
@@ -42,6 +46,8 @@ try {
   for (const [name, peak] of Object.entries(peaks)) assert.ok(Math.abs(peak / 0.18 - 1) < 0.06, `${name}: a peak of ${peak}`);
   await page.keyboard.press("d"); // E4, which the stage shows
   await page.waitForFunction(() => document.getElementById("stage-caption").textContent.includes("E4"));
+  const at = await page.evaluate(() => contactSpline.page.stage.at);
+  await page.waitForFunction((at) => contactSpline.page.stage.at !== at, at);
   await page.evaluate(() => contactSpline.page.story.go(3));
   await page.waitForFunction(() => document.querySelector("#chapter-3 .note[role='status']")?.textContent.includes("%"));
   const state = await page.evaluate(() => contactSpline.page.audio.context.state);

@@ -10,6 +10,7 @@ import { fileURLToPath, pathToFileURL } from "node:url";
 
 import { serve } from "../../web/serve.mjs";
 import { closeBrowser, openPage } from "./browser.mjs";
+import { assertFirstScreen, kFirstScreens } from "./first_screen.mjs";
 import { partialNear } from "./pitch.mjs";
 import { emitted } from "./rendered.mjs";
 
@@ -96,6 +97,9 @@ async function sounded(page, seconds) {
   const now = await page.evaluate(() => contactSpline.page.audio.context.currentTime);
   await page.waitForFunction((end) => contactSpline.page.audio.context.currentTime >= end, now + seconds);
 }
+
+/** Waits until the slow motion of the last strike is shown, also of what the strike has set: by a timer of the page after its own. */
+const studied = (page) => page.evaluate(() => new Promise((done) => setTimeout(done, 120)));
 
 /** Drags with the mouse from a place in an element by (dx, dy), all in pixels. Waits until the element stands still. */
 async function drag(page, element, { x, y }, dx, dy) {
@@ -803,8 +807,7 @@ const cases = {
 
   async "scores that ship play by one button"() {
     await withPage(server.address, async (page) => {
-      const shipped = await page.locator("#scores button").evaluateAll((buttons) => buttons.map(({ dataset }) => dataset.score));
-      assert.deepEqual(shipped.slice(0, 2), ["fur_elise", "tanpura_drone"]);
+      const shipped = await page.locator("#scores option").evaluateAll((options) => options.map(({ value }) => value).filter(Boolean));
       const files = readdirSync(new URL("../../data/scores", import.meta.url)).map((file) => file.replace(/\.\w+$/, ""));
       assert.deepEqual(shipped.toSorted(), files.toSorted(), "all that ship");
       // Each as the audio thread plays it, against what the file says.
@@ -829,16 +832,21 @@ const cases = {
         const notes = (event) => (event.key === undefined ? Object.keys(event).filter((key) => /^speed_m_per_s$|(?<!_surface)_speed_m_per_s$|_release_n$|^pluck/.test(key)).length : 1);
         assert.equal(events, written.reduce((sum, event) => sum + notes(event), 0), `${name}: notes`);
       }
-      await page.getByRole("button", { name: /^Für Elise/ }).click();
+      await page.getByRole("button", { name: "Für Elise", exact: true }).click();
       await page.waitForFunction(() => contactSpline.page.lastKey === 76); // the first key, in slow motion
       await page.waitForFunction(() => contactSpline.page.figures.strikes >= 3);
       assert.equal(await page.locator("#instrument").inputValue(), "piano");
-      await page.getByRole("button", { name: /^Für Elise/ }).click();
+      assert.equal(await page.locator("#scores").inputValue(), "fur_elise");
+      await page.getByRole("button", { name: "Stop", exact: true }).click();
       await sounded(page, 0.3); // what was under way is told
       const before = await page.evaluate(() => contactSpline.page.figures.strikes);
       await sounded(page, 0.6);
       assert.equal(await page.evaluate(() => contactSpline.page.figures.strikes), before, "stopped");
       assert.equal(await page.locator("#keys .down").count(), 0);
+      await page.selectOption("#scores", "tom_pattern");
+      await page.waitForFunction(() => contactSpline.page.instrument === "tom" && contactSpline.page.score === "tom_pattern");
+      await page.selectOption("#scores", "");
+      await page.waitForFunction(() => contactSpline.page.score === null);
     });
   },
 
@@ -965,8 +973,11 @@ const cases = {
   async "a hammer is pulled back, moved and thrown"() {
     await withPage(server.address, async (page) => {
       await page.evaluate(() => contactSpline.page.stage.rest());
-      const hold = await page.evaluate(() => contactSpline.page.stage.hold);
-      await drag(page, page.locator("#stage"), hold, 150, 65);
+      const { hold, half } = await page.evaluate(() => {
+        const { stage } = contactSpline.page;
+        return { hold: stage.hold, half: stage.wayOf(stage.box) / 2 };
+      });
+      await drag(page, page.locator("#stage"), hold, 150, half);
       const strikes = await page.evaluate(() => contactSpline.page.figures.strikes);
       await page.mouse.up();
       await page.waitForFunction((before) => contactSpline.page.figures.strikes === before + 1, strikes);
@@ -981,17 +992,16 @@ const cases = {
     await withPage(server.address, async (page) => {
       const finger = await page.context().newCDPSession(page);
       const touch = (type, x, y) => finger.send("Input.dispatchTouchEvent", { type, touchPoints: type === "touchEnd" ? [] : [{ x, y }] });
-      const { x, y } = await page.evaluate(() => {
+      const { x, y, half } = await page.evaluate(() => {
         const { stage } = contactSpline.page;
         stage.rest();
-        stage.canvas.scrollIntoView({ block: "center", behavior: "instant" });
         const { left, top } = stage.canvas.getBoundingClientRect();
-        return { x: left + stage.hold.x, y: top + stage.hold.y };
+        return { x: left + stage.hold.x, y: top + stage.hold.y, half: stage.wayOf(stage.box) / 2 };
       });
       const scrolled = await page.evaluate(() => scrollY);
       await touch("touchStart", x, y);
       for (let i = 1; i <= 6; ++i) {
-        await touch("touchMove", x, y + (65 * i) / 6);
+        await touch("touchMove", x, y + (half * i) / 6);
         await page.waitForTimeout(20);
       }
       await touch("touchEnd");
@@ -1061,13 +1071,13 @@ const cases = {
       for (const [instrument, parameter] of [["tanpura", "finger_release_n"], ["fret_string", "pluck_n"]]) {
         await page.selectOption("#instrument", instrument);
         await page.evaluate(() => contactSpline.page.stage.rest());
-        const { hold, box, max, at } = await page.evaluate((name) => {
+        const { hold, box, max, at, half } = await page.evaluate((name) => {
           const { page } = contactSpline;
           const { hold, box, study } = page.stage;
-          return { hold, box, max: page.played().parameters.find((one) => one.name === name).max, at: study.scene.plucks.at };
+          return { hold, box, max: page.played().parameters.find((one) => one.name === name).max, at: study.scene.plucks.at, half: page.stage.wayOf(box) / 2 };
         }, parameter);
         assert.ok(Math.abs(hold.x - (box.left + at * (box.right - box.left))) < 2, "the finger is where the file has it");
-        await drag(page, page.locator("#stage"), hold, 10, -65);
+        await drag(page, page.locator("#stage"), hold, 10, -half);
         const strikes = await page.evaluate(() => contactSpline.page.figures.strikes);
         await page.mouse.up();
         await page.waitForFunction((before) => contactSpline.page.figures.strikes === before + 1, strikes);
@@ -1131,18 +1141,122 @@ const cases = {
     });
   },
 
-  async "the first screen says what it is, moves, and sounds at one click"() {
-    for (const size of [{ width: 1280, height: 800 }, { width: 390, height: 844 }])
-      await withPage(server.address, async (page) => {
-        for (const shown of ["h1", "header > p:first-of-type", "#strike", "#scores", "#stage-figure"]) {
-          const { top, bottom } = await page.locator(shown).evaluate((element) => element.getBoundingClientRect().toJSON());
-          assert.ok(top >= 0 && (shown === "#stage-figure" ? top + size.height / 3 : bottom) < size.height, `${shown}: from ${top} to ${bottom}`);
-        }
-        const at = await page.evaluate(() => contactSpline.page.stage.at);
-        await page.waitForFunction((at) => contactSpline.page.stage.at !== at, at);
-        await page.locator("#strike").click();
-        await page.waitForFunction(() => contactSpline.page.figures.captured.some((force) => force > 1));
-      }, size);
+  async "stage and keys are whole in the first screen, and the hammer is always within reach"() {
+    for (const size of kFirstScreens)
+      for (const colorScheme of ["light", "dark"])
+        await withPage(server.address, async (page) => {
+          await assertFirstScreen(page, size);
+          const name = `${size.width} x ${size.height}, ${colorScheme}`;
+          for (let k = 0; k < 24; ++k) {
+            const { hold, box, width, strikes } = await page.evaluate((part) => {
+              const { stage, figures } = contactSpline.page;
+              stage.setPlaying(false);
+              stage.at = part * stage.length();
+              stage.draw();
+              return { hold: stage.hold, box: stage.box, width: stage.canvas.clientWidth, strikes: figures.strikes };
+            }, (k + 0.5) / 24);
+            // Whole between the numbers above and the force below.
+            assert.ok(hold.top >= box.top - 1 && hold.bottom <= box.bottom + 1 && hold.x > 10 && hold.x < width - 10, `${name}, moment ${k}: ${JSON.stringify(hold)}`);
+            if (colorScheme === "dark" && k % 6 > 0) continue;
+            await page.mouse.move(hold.x + 4, (await page.locator("#stage").boundingBox()).y + hold.y);
+            assert.equal(await page.locator("#stage").evaluate((canvas) => canvas.style.cursor), "grab", `${name}, moment ${k}`);
+            await page.mouse.down();
+            await page.mouse.move(hold.x + 4, (await page.locator("#stage").boundingBox()).y + hold.y + 30);
+            await page.mouse.up();
+            await page.waitForFunction((before) => contactSpline.page.figures.strikes === before + 1, strikes);
+            await studied(page);
+          }
+        }, { ...size, colorScheme });
+  },
+
+  async "the stage rests at the largest force until it is struck, and invites to pull until it is thrown"() {
+    await withPage(server.address, async (page) => {
+      const drawn = () => page.evaluate(async () => {
+        const { stage } = contactSpline.page;
+        let [times, last] = [0, 0];
+        const draw = stage.draw.bind(stage);
+        stage.draw = () => (++times, (last = Math.max(last, stage.at)), draw());
+        await new Promise((done) => setTimeout(done, 3600));
+        delete stage.draw;
+        return { times, last };
+      });
+      const state = () => page.evaluate(() => {
+        const { at, forces, study, isInviting } = contactSpline.page.stage;
+        return { force: forces[Math.round(at * study.sampleRate)] / Math.max(...forces), isInviting };
+      });
+      assert.deepEqual(await state(), { force: 1, isInviting: true });
+      assert.equal((await drawn()).times, 0, "a stage at rest draws nothing");
+      await page.keyboard.press("a");
+      await page.waitForFunction(() => contactSpline.page.stage.isPlaying);
+      const { times, last } = await drawn();
+      assert.ok(times > 30 && last > 2.5e-3 && last < 3.1e-3, `${times} pictures, up to ${last} s`);
+      assert.ok((await state()).isInviting, "nobody has pulled yet");
+      await page.evaluate(() => contactSpline.page.stage.rest());
+      await drag(page, page.locator("#stage"), await page.evaluate(() => contactSpline.page.stage.hold), 0, 40);
+      await page.mouse.up();
+      await page.waitForFunction(() => contactSpline.page.figures.strikes === 2);
+      await studied(page);
+      assert.ok(await page.evaluate(() => contactSpline.page.stage.isPlaying && !contactSpline.page.stage.isInviting));
+      // What is struck meanwhile takes nothing out of a hand.
+      await page.evaluate(() => contactSpline.page.stage.rest());
+      await drag(page, page.locator("#stage"), await page.evaluate(() => contactSpline.page.stage.hold), 0, 40);
+      const strikes = await page.evaluate(() => contactSpline.page.figures.strikes);
+      await page.keyboard.press("d");
+      await page.waitForFunction((before) => contactSpline.page.figures.strikes === before + 1, strikes);
+      await studied(page);
+      assert.ok(await page.evaluate(() => contactSpline.page.stage.pulled?.power > 0.2), "the hammer is still held");
+      await page.mouse.up();
+      await page.waitForFunction((before) => contactSpline.page.figures.strikes === before + 2, strikes);
+    });
+  },
+
+  async "a strike is not let go before it has begun"() {
+    await withPage(server.address, async (page) => {
+      const sent = await page.evaluate(async () => {
+        const { audio } = contactSpline.page;
+        const send = audio.send.bind(audio);
+        const sent = [];
+        audio.send = (message) => (["noteOn", "noteOff"].includes(message.do) && sent.push([message.do, message.key, performance.now()]), send(message));
+        const type = (kind, code) => dispatchEvent(new KeyboardEvent(kind, { code }));
+        for (const code of ["KeyA", "KeyS", "KeyA"]) for (const kind of ["keydown", "keyup"]) type(kind, code); // while the sound starts
+        const letGo = async (keys) => {
+          while (sent.filter(([what]) => what === "noteOff").length < keys) await new Promise((done) => setTimeout(done, 20));
+        };
+        await letGo(2);
+        for (const kind of ["keydown", "keyup"]) type(kind, "KeyD");
+        await letGo(3);
+        await new Promise((done) => setTimeout(done, 200)); // nothing more
+        return sent;
+      });
+      for (const key of [60, 62, 64]) {
+        const ofKey = sent.filter(([, other]) => other === key);
+        assert.deepEqual(ofKey.map(([what]) => what), key === 60 ? ["noteOn", "noteOn", "noteOff"] : ["noteOn", "noteOff"], `key ${key}`);
+        assert.ok(ofKey.at(-1)[2] - ofKey.at(-2)[2] >= 50, `key ${key} is held for ${ofKey.at(-1)[2] - ofKey.at(-2)[2]} ms`);
+      }
+    });
+  },
+
+  async "computer keys play by their places, not in fields, and can be turned off"() {
+    await withPage(server.address, async (page) => {
+      const press = (code, key, on = "body") => page.evaluate(async ([code, key, on]) => {
+        const { figures } = contactSpline.page;
+        const before = figures.strikes;
+        const send = (kind) => document.querySelector(on).dispatchEvent(new KeyboardEvent(kind, { code, key, bubbles: true, cancelable: true }));
+        const isTaken = !send("keydown");
+        send("keyup");
+        await new Promise((done) => setTimeout(done, 700));
+        return { isTaken, strikes: figures.strikes - before, key: contactSpline.page.lastKey };
+      }, [code, key, on]);
+      // The key at the place of A: Q on a French keyboard, Ф on a Russian one.
+      for (const letter of ["q", "ф", "a"]) assert.deepEqual(await press("KeyA", letter), { isTaken: true, strikes: 1, key: 60 }, letter);
+      assert.equal((await press("KeyQ", "a")).strikes, 0, "the letter A elsewhere");
+      await page.evaluate(() => (document.getElementById("fitting").open = true));
+      for (const field of ["#fit-mass", "#text"]) assert.deepEqual(await press("KeyE", "e", field), { isTaken: false, strikes: 0, key: 60 }, field);
+      await page.locator("#letters").uncheck();
+      assert.deepEqual(await press("KeyA", "a"), { isTaken: false, strikes: 0, key: 60 }, "turned off");
+      await page.locator("#letters").check();
+      assert.equal((await press("KeyA", "a")).strikes, 1);
+    });
   },
 
   async "computer keys play after a menu and after Sustain"() {
@@ -1152,7 +1266,7 @@ const cases = {
         await page.keyboard.press(key);
         await page.waitForFunction((before) => contactSpline.page.figures.strikes === before + 1, before);
       };
-      for (const menu of ["#instrument", "#preset", "#material", "#stage-speed"]) {
+      for (const menu of ["#instrument", "#preset", "#material", "#stage-speed", "#scores"]) {
         const value = await page.locator(menu).inputValue();
         await page.locator(menu).focus();
         await plays("s");
@@ -1277,7 +1391,7 @@ const cases = {
       await page.selectOption("#instrument", "mass_barrier");
       await page.waitForFunction(() => contactSpline.page.instrument === "mass_barrier");
       for (const id of ["octave-up", "pedal-box", "keys"]) assert.ok(await page.locator(`#${id}`).isHidden(), id);
-      assert.match(await page.locator("#keys-note").textContent(), /^Any of the computer keys/);
+      assert.match(await page.locator("#keys-note").textContent(), /^Any of the two upper rows/);
       await page.selectOption("#preset", "Rubber");
       await page.waitForFunction(() => contactSpline.page.editor.current.name === "rubber_on_wood");
       await page.evaluate(() => contactSpline.page.settle());
@@ -1316,7 +1430,7 @@ const cases = {
 
   async "a paused picture is drawn anew when its size changes"() {
     await withPage(server.address, async (page) => {
-      await page.locator("#stage-play").click();
+      await page.evaluate(() => contactSpline.page.stage.rest());
       await page.setViewportSize({ width: 700, height: 900 });
       await page.waitForFunction(() => {
         const stage = document.getElementById("stage");
@@ -1369,7 +1483,9 @@ const cases = {
       assert.equal(levels[0], 1);
       for (let i = 1; i < levels.length; ++i) assert.ok(levels[i] > 1 && levels[i] <= levels[i - 1] + 1, `headings ${levels}`);
       for (const landmark of ["main", "banner", "navigation", "contentinfo"]) assert.equal(shown.filter(({ role }) => role === landmark).length, 1, landmark);
-      for (const score of ["Für Elise", "Tanpura drone", "Dulcimer"]) assert.ok(controls.some(({ role, name }) => /button/i.test(role) && name.includes(score)), score);
+      for (const [button, words] of [["Für Elise", /^Für Elise$/], ["Undo", /^Undo$/], ["Copy link", /^Copy link$/], ["Dark", /^Dark$/], ["Play", /^Play$/]])
+        assert.ok(shown.some(({ role, name }) => /button/i.test(role) && words.test(name)), button);
+      assert.ok(controls.some(({ role, name }) => /combobox/i.test(role) && name === "Pieces that play at once"));
     });
   },
 

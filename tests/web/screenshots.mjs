@@ -11,7 +11,7 @@ import { closeBrowser, openPage } from "./browser.mjs";
 const [modules, file, folder] = process.argv.slice(2);
 const server = await serve(file);
 mkdirSync(folder, { recursive: true });
-const devices = { desktop: { width: 1280, height: 800 }, phone: { width: 390, height: 844 }, docs: { width: 1280, height: 1612 } };
+const devices = { desktop: { width: 1280, height: 800 }, phone: { width: 390, height: 844 }, docs: { width: 1280, height: 800 }, "phone-aside": { width: 844, height: 390 } };
 
 // What a link to the page shows: its stage in a blow.
 {
@@ -20,10 +20,10 @@ const devices = { desktop: { width: 1280, height: 800 }, phone: { width: 390, he
   await page.evaluate(() => {
     const { stage } = contactSpline.page;
     stage.setPlaying(false);
-    stage.time.value = 0.1;
+    stage.time.value = 0.26;
     stage.time.dispatchEvent(new Event("input"));
   });
-  await page.addStyleTag({ content: "#play > :not(#stage-figure), footer { display: none } #stage { height: 500px }" });
+  await page.addStyleTag({ content: "#play > :not(#stage-figure), #change, footer, #stage-play { display: none !important }" });
   await page.screenshot({ path: join(folder, "preview.png") });
   await close();
 }
@@ -40,10 +40,11 @@ for (const [device, size] of Object.entries(devices))
     await page.evaluate(() => {
       const { stage } = contactSpline.page;
       stage.setPlaying(false);
-      stage.time.value = 0.1;
+      stage.time.value = 0.26;
       stage.time.dispatchEvent(new Event("input"));
     });
-    await page.screenshot({ path: join(folder, `${device}-${colorScheme}.png`) });
+    const below = device === "docs" ? { fullPage: true, clip: { x: 0, y: 0, width: 1280, height: 1390 } } : {};
+    await page.screenshot({ path: join(folder, `${device}-${colorScheme}.png`), ...below });
     for (let chapter = 1; device !== "docs" && chapter <= 7; ++chapter) {
       await page.evaluate((chapter) => contactSpline.page.story.go(chapter), chapter);
       await page.waitForTimeout(400);

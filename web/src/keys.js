@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Ways to strike: keys on the screen, the computer's keys, MIDI.
 
-const kComputerKeys = "awsedftgyhujkolp";
+// By their places, which other layouts than the American one give other letters.
+const kComputerKeys = [..."AWSEDFTGYHUJKOLP"].map((letter) => `Key${letter}`);
+const kOctaves = { KeyZ: -1, KeyX: 1 };
+const kText = "textarea, input:not([type='range'], [type='checkbox'])"; // what takes letters itself
 const kSoftest = 0.3; // velocity at the far end of a key
 const kBlack = new Set([1, 3, 6, 8, 10]);
 const kNames = ["C", "C♯", "D", "E♭", "E", "F", "F♯", "G", "A♭", "A", "B♭", "B"];
@@ -13,7 +16,7 @@ export class Keys {
   /** strike(key, velocity 0 to 1, or null where it has none), release(key); midi(bytes) of a message; moved() after an
    * octave. */
   constructor(element, { strike, release, midi, moved }) {
-    Object.assign(this, { element, strike, release, midi, moved, first: 60, focused: 60, held: new Map() });
+    Object.assign(this, { element, strike, release, midi, moved, first: 60, focused: 60, hasLetters: true, held: new Map() });
     this.build();
     new ResizeObserver(() => this.build()).observe(element);
     this.listenToPointers();
@@ -136,21 +139,17 @@ export class Keys {
 
   // Everywhere but in text: a menu that has the focus must not take the letter for a search.
   listenToComputerKeys() {
-    const indexOf = ({ key }) => (key.length === 1 ? kComputerKeys.indexOf(key.toLowerCase()) : -1);
     addEventListener("keydown", (event) => {
-      if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.("textarea")) return;
-      const index = indexOf(event);
-      const octaves = { z: -1, x: 1 }[event.key.toLowerCase()];
+      if (!this.hasLetters || event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.(kText)) return;
+      const index = kComputerKeys.indexOf(event.code);
+      const octaves = kOctaves[event.code];
       if (index < 0 && octaves === undefined) return;
       event.preventDefault();
       if (event.repeat) return;
       if (octaves) this.shift(octaves);
-      else this.press(this.first + index, null, `computer ${index}`);
+      else this.press(this.first + index, null, event.code);
     });
-    addEventListener("keyup", (event) => {
-      const index = indexOf(event);
-      if (index >= 0) this.lift(`computer ${index}`);
-    });
+    addEventListener("keyup", ({ code }) => this.lift(code));
     addEventListener("blur", () => this.liftAll());
   }
 

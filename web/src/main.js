@@ -27,9 +27,10 @@ const kSustain = 64; // controller of MIDI
 const kPeak = 0.18; // of full scale: one note of every instrument, so that a chord has room
 const kPeakSeconds = 0.3;
 const kStrikeHold = 1500; // milliseconds that the button holds a key
+const kShortest = 60; // milliseconds from a strike on that its key is held at least
 const kSettled = 250; // milliseconds after the last change
 const kScoreStudies = 1500; // milliseconds between two notes of a score that are shown in slow motion
-const kFirstScores = ["fur_elise", "tanpura_drone"];
+const kFirstScore = "fur_elise";
 const kMaxPast = 100;
 const kFirstFrames = 50; // milliseconds in which the stage begins to move
 
@@ -43,6 +44,7 @@ class Page {
     this.controls = new Map(); // sliders by the names of their parameters
     this.gains = new Map();
     this.past = [];
+    this.begun = new Map(); // of each key: when its last strike has begun
     this.figures = new Figures();
     this.audio = new Audio({
       report: (report) => this.figures.report(report),
@@ -57,7 +59,7 @@ class Page {
     );
     this.keys = new Keys(byId("keys"), {
       strike: (key, velocity) => this.strike(key, velocity),
-      release: (key) => this.audio.send({ do: "noteOff", key }),
+      release: (key) => this.release(key),
       midi: (bytes) => this.takeMidi(bytes),
       moved: () => this.changed(),
     });
@@ -79,6 +81,9 @@ class Page {
     fillSelect(byId("preset"), { "": "choose …", ...Object.fromEntries(Object.keys(kPresets).map((title) => [title, title])) });
     byId("instrument").addEventListener("change", ({ target }) => this.play(target.value, {}));
     byId("preset").addEventListener("change", ({ target }) => target.value && this.show(kPresets[target.value]));
+    byId("piece").addEventListener("click", () => this.playOrStop(kFirstScore));
+    byId("scores").addEventListener("change", ({ target }) => (target.value ? this.playScore(target.value) : this.stopScore()));
+    byId("letters").addEventListener("change", ({ target }) => (this.keys.hasLetters = target.checked));
     byId("undo").addEventListener("click", () => this.undo());
     byId("midi-connect").addEventListener("click", async () => (byId("midi").textContent = await this.keys.listenToMidi()));
     byId("midi-file").addEventListener("click", () => (this.score ? this.stopScore() : byId("midi-input").click()));
@@ -144,7 +149,7 @@ class Page {
       instruments: this.instruments,
       stiffness: this.comparison.stiffness,
       hear: (state, velocity) => this.show(state).then(() => this.strikeOnce(kMiddleC, velocity)),
-      piece: () => (this.score ? this.stopScore() : this.playScore(kFirstScores[0])),
+      piece: () => this.playOrStop(kFirstScore),
       at: () => this.changed(),
     });
     await this.show(first);
@@ -212,6 +217,7 @@ class Page {
    * names that it lacks. */
   play(name, values = {}) {
     this.stopScore();
+    this.stage.slip();
     this.instrument = name;
     byId("instrument").value = name;
     const { parameters, keys, events } = this.played();
@@ -225,8 +231,8 @@ class Page {
     this.showButtons(events);
     for (const id of ["keys", "octave-down", "octave-up", "pedal-box"]) byId(id).hidden = keys === null;
     byId("keys-note").textContent = keys
-      ? "Computer keys A W S E D F … play, Z and X change the octave."
-      : events.length > 1 ? "Computer keys A W S … play, each its own." : "Any of the computer keys A S D F … plays.";
+      ? "The middle row of them is the white keys, the row above it the black ones; the first two of the lowest row change the octave."
+      : events.length > 1 ? "Those of the two upper rows strike, each its own." : "Any of the two upper rows strikes.";
     this.figures.reset();
     this.study();
     this.changed();
@@ -248,22 +254,18 @@ class Page {
     byId("events").firstChild.id = "strike";
   }
 
-  /** One button for each score that ships and that the page has the instrument for. */
+  /** A line of the menu for each score that ships and that the page has the instrument for. */
   async offerScores() {
     const packed = Object.entries(await jsonAsset("scores"));
     const scores = packed.map(([name, score]) => [name, readScore(score, name, this.editor.generator)]).filter(([, score]) => instrumentOf(score, this.instruments));
-    const rank = ([name]) => (kFirstScores.includes(name) ? kFirstScores.indexOf(name) : kFirstScores.length);
-    this.scores = new Map(scores.toSorted((a, b) => rank(a) - rank(b)));
-    for (const [name, score] of this.scores) {
-      const button = document.createElement("button");
-      button.textContent = score.keyboard ? score.description.replace(/,[^,]*$/, "") : capital(name.replaceAll("_", " "));
-      button.title = capital(score.description);
-      button.dataset.score = name;
-      button.className = "score";
-      button.setAttribute("aria-pressed", "false");
-      button.addEventListener("click", () => (this.score === name ? this.stopScore() : this.playScore(name)));
-      byId("scores").append(button);
-    }
+    this.scores = new Map(scores);
+    byId("piece").disabled = false;
+    const title = ([name, score]) => (score.keyboard ? score.description.replace(/,[^,]*$/, "") : capital(name.replaceAll("_", " ")));
+    byId("scores").append(...scores.map((one) => new Option(title(one), one[0])));
+  }
+
+  playOrStop(score) {
+    return this.score ? this.stopScore() : this.playScore(score);
   }
 
   /** Plays a score that ships on its instrument, with the first values of all controls. */
@@ -296,7 +298,9 @@ class Page {
     this.score = name;
     byId("story-piece").textContent = name ? "Stop the piece" : "Play Für Elise";
     byId("midi-file").textContent = name ? "Stop the piece" : "MIDI file";
-    for (const button of byId("scores").querySelectorAll("button")) button.setAttribute("aria-pressed", String(button.dataset.score === name));
+    byId("piece").textContent = name ? "Stop" : "Für Elise";
+    byId("piece").classList.toggle("plays", Boolean(name));
+    byId("scores").value = this.scores?.has(name) ? name : "";
   }
 
   /** Ends a score: its keys are let go, and the pedals are where the page shows them. */
@@ -333,6 +337,7 @@ class Page {
     Object.assign(this, { lastKey: key, lastVelocity: velocity });
     this.changed();
     this.figures.struck();
+    this.stage.wake();
     setTimeout(() => this.study(), 0);
   }
 
@@ -408,15 +413,14 @@ class Page {
     if (!study) byId("stage-caption").textContent = `${capital(description)}: it has no note to show.`;
     if (!study) return;
     byId("stage-caption").textContent = `${capital(description)}${keys ? `, ${keyName(key)}` : ""}; one note from rest. ${this.balance(study)}`;
-    this.stage.show(study);
+    this.stage.show(study, keys ? key : null);
   }
 
   balance({ scene, column }) {
     const places = scene.items.some(({ kind }) => kind === "body") ? "Squares: places of the body." : "";
     if (scene.imbalance === undefined || !(scene.work > 0)) return places;
     const worst = column(scene.imbalance).reduce((max, value) => Math.max(max, Math.abs(value)), 0) / scene.work;
-    const told = `Energy is balanced within ${readable(worst)}. ${places}`;
-    return scene.energies.length > 0 ? `${told} Pull the hammer back and let it go.` : told;
+    return `Energy is balanced within ${readable(worst)}. ${places}`;
   }
 
   throwHammer({ power, place }) {
@@ -435,9 +439,19 @@ class Page {
   /** velocity: 0 to 1, or null where the player has none. */
   async strike(key, velocity = null) {
     if (!this.hasKey(key)) return;
-    await this.audio.start();
-    this.audio.send({ do: "noteOn", key, velocity: velocity ?? this.played().velocity });
-    this.struck(key, velocity ?? undefined);
+    const struck = this.audio.start().then(() => {
+      this.audio.send({ do: "noteOn", key, velocity: velocity ?? this.played().velocity });
+      this.struck(key, velocity ?? undefined);
+    });
+    this.begun.set(key, struck.then(() => new Promise((done) => setTimeout(done, kShortest))));
+    await struck;
+  }
+
+  /** Lets a key go, but not before its strike has begun. One that is struck again meanwhile stays down. */
+  async release(key) {
+    const begun = this.begun.get(key);
+    await begun;
+    if (this.begun.get(key) === begun) this.audio.send({ do: "noteOff", key });
   }
 
   /** Strikes a key and lets it go a while after it has begun. */
@@ -519,11 +533,11 @@ class Page {
     history.replaceState(null, "", this.address);
     try {
       await navigator.clipboard.writeText(location.href);
-      byId("share").textContent = "Link copied";
+      byId("told").textContent = "Link copied";
     } catch {
-      byId("share").textContent = "Link in the address bar";
+      byId("told").textContent = "Link in the address bar";
     }
-    setTimeout(() => (byId("share").textContent = "Copy link"), 2500);
+    setTimeout(() => (byId("told").textContent = ""), 2500);
   }
 
   run() {

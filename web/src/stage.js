@@ -4,14 +4,22 @@ import { readable } from "./controls.js";
 import { colour } from "./plots.js";
 
 /** Colours of energies by their names; those that are not here take the next of kOthers. */
-const kPaints = { hammer: "orange", mass: "orange", felt: "felt", contact: "felt", string: "blue", strings: "blue", board: "green", lost: "soft" };
+const kPaints = { hammer: "wood", mass: "wood", felt: "felt", contact: "felt", string: "blue", strings: "blue", board: "green", lost: "soft" };
 const kBridge = 0.05; // part of a string in which many stops are one bridge, which is drawn larger
-const kReach = 130; // pixels by which a hammer is pulled back for its highest speed
+const kReach = 130; // pixels by which a hammer is pulled back for its highest speed, where there is room
+const kLeastReach = 80;
 const kNear = 60; // pixels around a hammer or a finger that take hold of it
 const kTraces = 4; // earlier shapes of a string that stay in view
 const kTrace = 1.5e-4; // seconds between two of them
 const kSectors = 24; // of a membrane's circle
 const kTilt = 0.3; // height of a membrane's circle over its width
+const kLoop = 3e-3; // seconds that are shown at least, again and again
+const kFelt = 50, kHead = 88; // lengths of a hammer's felt, and of the whole head, which is drawn larger or smaller
+const kShank = 170;
+const kFarthest = 0.6; // how far a hammer is followed, over the largest displacement
+const kSteepest = 0.14; // the largest displacement over the width
+const kFirstPlain = 48; // key of the lowest string without windings
+const kTitles = "'Iowan Old Style', 'Palatino Linotype', Palatino, 'Book Antiqua', Georgia, serif";
 
 const largest = (list) => list.reduce((max, value) => Math.max(max, Math.abs(value)), 0);
 
@@ -63,7 +71,8 @@ export class Stage {
   /** thrown({ power, place }): a hammer was pulled back and let go, or a string, power 0 to 1, and put at a part of the
    * string's length; null for what did not change. tell(power, place) says so in words while it moves. */
   constructor(canvas, { play, time, speed }, { thrown, tell }) {
-    Object.assign(this, { canvas, play, time, speed, thrown, tell, study: null, at: 0, isPlaying: true, last: null, pulled: null });
+    Object.assign(this, { canvas, play, time, speed, thrown, tell, study: null, at: 0, isPlaying: false, last: null, pulled: null });
+    Object.assign(this, { isAwake: false, isInviting: true });
     play.addEventListener("click", () => this.setPlaying(!this.isPlaying));
     time.addEventListener("input", () => {
       this.setPlaying(false);
@@ -74,8 +83,22 @@ export class Stage {
     new ResizeObserver(() => this.draw()).observe(canvas);
   }
 
-  /** Shows a study from its beginning. */
-  show(study) {
+  /** From now on what is shown moves. */
+  wake() {
+    this.isAwake = true;
+  }
+
+  /** Lets what is pulled slip, as when there will be another instrument. */
+  slip() {
+    Object.assign(this, { pulled: null, next: null });
+  }
+
+  /** Shows a study: from its beginning, or at rest until it is woken; after a pull if there is one. key: of its string, or null. */
+  show(study, key = null) {
+    if (this.pulled) {
+      this.next = { study, key };
+      return;
+    }
     const { scene } = study;
     this.items = scene.items.map((item) => ({
       ...item,
@@ -86,32 +109,41 @@ export class Stage {
       boards: item.board !== undefined && study.column(item.board),
       quads: item.rings > 0 && surfaceOf(item.rings),
     }));
+    // A string lies on its hammer, and a hammer on a membrane.
+    const isBelow = ({ kind }) => kind === "hammer" && this.items.some((other) => other.kind === "string") && !scene.isFlipped;
+    this.items.sort((a, b) => isBelow(b) - isBelow(a));
     // Membranes stand above each other and above all strings.
     const surfaces = this.items.filter(({ kind }) => kind === "surface");
     surfaces.forEach((item, k) => (item.slot = k));
     this.slots = surfaces.length === 0 ? 1 : surfaces.length + (this.items.some(({ kind }) => kind === "string") ? 1 : 0);
     this.forces = study.column(scene.force);
     this.energies = scene.energies.map(([name, column]) => [name, study.column(column)]);
-    Object.assign(this, { study, at: 0, pulled: null });
+    Object.assign(this, { study, key, at: 0, pulled: null });
     this.measure();
-    if (matchMedia("(prefers-reduced-motion: reduce)").matches) this.rest();
+    if (!this.isAwake || matchMedia("(prefers-reduced-motion: reduce)").matches) this.rest();
     else this.setPlaying(true);
   }
 
-  // The largest displacement that is in view [m], of strings and bodies, or else of what is thrown.
+  // How long the note is shown: its blow and a quarter more. And what is in view [m]: the largest displacement of strings and
+  // bodies, or else of what is thrown, and how far that goes back.
   measure() {
+    const { frames, sampleRate } = this.study;
+    const last = this.forces.findLastIndex((force) => force > 0);
+    this.frames = last < 0 ? frames : Math.min(frames, Math.round(Math.max(kLoop * sampleRate, 1.25 * last)) + 1);
     let reach = 0;
     for (const item of this.items.filter(({ points }) => points))
-      for (let i = 0; i < this.study.frames; ++i) reach = Math.max(reach, largest(this.study.points(i, item.column, item.points)));
-    const hammers = this.items.filter(({ kind }) => kind === "hammer").map(({ values }) => largest(values.filter((place) => place > -2e-3)));
-    this.reach = Math.max(reach, Math.min(2e-3, ...hammers), 1e-9);
+      for (let i = 0; i < this.frames; ++i) reach = Math.max(reach, largest(this.study.points(i, item.column, item.points)));
+    const hammers = this.items.filter(({ kind }) => kind === "hammer").map(({ values }) => values.slice(0, this.frames));
+    this.reach = Math.max(reach, Math.min(2e-3, ...hammers.map((values) => largest(values.filter((place) => place > -2e-3)))), 1e-9);
+    this.depth = hammers.length === 0 ? null : Math.min(kFarthest * this.reach, -Math.min(0, ...hammers.map((values) => Math.min(...values))));
     const stops = this.items.filter(({ kind, at }) => kind === "stop" && at < kBridge);
     this.bridge = stops.length >= 8 ? stops : null;
   }
 
   // Where the force is largest, without motion.
   rest() {
-    this.at = this.forces.indexOf(largest(this.forces)) / this.study.sampleRate;
+    const peak = Math.max(...this.forces);
+    this.at = peak > 0 ? Math.min(this.length(), this.forces.indexOf(peak) / this.study.sampleRate) : 0.3 * this.length();
     this.time.value = this.at / this.length();
     this.setPlaying(false);
     this.draw();
@@ -120,11 +152,12 @@ export class Stage {
   setPlaying(isPlaying) {
     this.isPlaying = isPlaying;
     this.play.textContent = isPlaying ? "Pause" : "Play";
+    this.play.classList.toggle("plays", isPlaying);
     this.last = null;
   }
 
   length() {
-    return this.study ? (this.study.frames - 1) / this.study.sampleRate : 0;
+    return this.study ? (this.frames - 1) / this.study.sampleRate : 0;
   }
 
   /** Moves on to the time of the screen [s] and draws. */
@@ -151,20 +184,92 @@ export class Stage {
     const frame = this.at * study.sampleRate;
     const i = Math.max(0, Math.min(study.frames - 2, Math.floor(frame)));
     const value = (list) => list[i] + (list[i + 1] - list[i]) * (frame - i);
-    const wide = width > 560;
-    const bottom = height - (wide ? 96 : 76);
-    const box = { left: 60, right: width - (this.energies.length === 0 ? 24 : wide ? 150 : 116), top: 48, bottom };
-    box.middle = (box.top + bottom) / 2;
-    box.unit = ((this.study.scene.isFlipped ? -1 : 1) * (bottom - box.top) * 0.42) / this.reach / this.slots;
+    this.size = Math.max(0.55, Math.min(1.8, height / 380, width / 420)); // of what is thrown
+    const strip = Math.max(28, Math.min(84, 0.15 * height)); // of the force
+    const top = this.drawNumbers(context, width, value);
+    const box = { left: 30, right: width - 30, top, bottom: height - strip - 34, ...this.scaleOf(top, height - strip - 34, width) };
     this.hold = null;
     this.box = box;
     for (const item of this.items) this.drawItem(context, this.slotOf(box, item), item, i, frame - i, value);
     if (this.bridge) this.drawBridge(context, box, i, frame - i);
-    this.drawScale(context, box);
-    if (this.energies.length > 0) this.drawEnergy(context, { x: box.right + (wide ? 26 : 16), width: wide ? 26 : 18, bottom }, value);
-    this.drawForce(context, { left: box.left, right: width - 24, top: bottom + 14, bottom: height - 22 }, frame, value);
-    this.write(context, `${(this.at * 1000).toFixed(2)} ms`, 12, 22, "ink", "600 15px system-ui");
-    this.write(context, `${value(this.forces).toFixed(2)} N`, 12, 40, "orange", "600 13px system-ui");
+    this.drawScale(context, { ...box, bottom: box.bottom - 4 }, { x: box.right - 56, size: Math.min(70, 0.2 * height), isBeside: true });
+    this.drawForce(context, { left: 60, right: width - 16, top: height - strip - 20, bottom: height - 20 }, frame);
+    if (this.isInviting && this.hold && !this.pulled) this.drawInvitation(context, box);
+    this.showHand();
+  }
+
+  // Pixels for a metre, up on the canvas, and the height of rest: all of a string is in view, not too steep, and what is thrown at
+  // it.
+  scaleOf(top, bottom, width) {
+    const height = 0.96 * (bottom - top);
+    const sign = this.study.scene.isFlipped ? -1 : 1;
+    if (this.depth === null || this.slots > 1) return { middle: (top + bottom) / 2, unit: (sign * 0.44 * height) / this.reach / this.slots };
+    const room = height - kHead * this.size;
+    const unit = Math.min(room / (this.reach + this.depth), Math.min(height / 2, kSteepest * width) / this.reach);
+    const side = this.reach * unit + 0.4 * Math.max(0, room - (this.reach + this.depth) * unit);
+    return { middle: sign > 0 ? top + side : bottom - side, unit: sign * unit };
+  }
+
+  // Time, force, and where the energy is: a bar of constant length, of which only the parts change. Returns the height below.
+  drawNumbers(context, width, value) {
+    const wide = width > 560;
+    const left = wide ? 150 : 104;
+    this.write(context, `${(this.at * 1000).toFixed(2)} ms`, 16, wide ? 30 : 26, "ink", `${wide ? 26 : 20}px ${kTitles}`);
+    this.write(context, `${value(this.forces).toFixed(2)} N`, 16, wide ? 52 : 46, "accent", `${wide ? 18 : 16}px ${kTitles}`);
+    if (this.energies.length === 0) return 60;
+    const parts = this.energies.map(([name, list]) => [Math.max(0, value(list)), name, kPaints[name] ?? "soft"]);
+    const total = parts.reduce((sum, [energy]) => sum + energy, 0) || 1;
+    const percents = wholePercents(parts.map(([energy]) => energy / total));
+    const full = width - 16 - left;
+    context.save();
+    context.beginPath();
+    context.roundRect(left, 14, full, 16, 8);
+    context.clip();
+    let x = left;
+    for (const [energy, , paint] of parts) {
+      context.fillStyle = colour(paint);
+      context.fillRect(x, 14, (energy / total) * full + 1, 16);
+      x += (energy / total) * full;
+    }
+    context.restore();
+    let [at, line] = [left, wide ? 50 : 48];
+    const font = `${wide ? 14 : 12}px system-ui`;
+    const put = (text, room, paint) => {
+      if (at > left && at + room > width - 12) [at, line] = [left, line + 16];
+      if (paint) context.fillStyle = colour(paint);
+      if (paint) context.fillRect(at, line - 9, 9, 9);
+      this.write(context, text, at + (paint ? 14 : 0), line, paint ? "ink" : "soft", font);
+      at += room;
+    };
+    context.font = font;
+    put(`${readable(Number((1000 * total).toPrecision(3)))} mJ`, wide ? 74 : 62);
+    parts.forEach(([, label, paint], k) => put(`${label} ${percents[k]} %`, context.measureText(`${label} 100 %`).width + 24, paint));
+    return line + 10;
+  }
+
+  // What to do first, beside what can be pulled.
+  drawInvitation(context, box) {
+    const { y, down, aside = 0 } = this.hold;
+    const x = this.hold.x + aside;
+    const side = down || 1;
+    const begin = down === 0 ? y + 16 : y + side * (kHead * this.size * 0.6 + 6);
+    const size = Math.max(16, Math.min(46, Math.abs((side > 0 ? box.bottom : box.top) - begin)));
+    const end = begin + side * size;
+    context.strokeStyle = colour("accent");
+    Object.assign(context, { lineWidth: 3, lineCap: "round", lineJoin: "round" });
+    context.beginPath();
+    context.moveTo(x, begin);
+    context.lineTo(x, end);
+    context.moveTo(x - 8, end - 9 * side);
+    context.lineTo(x, end);
+    context.lineTo(x + 8, end - 9 * side);
+    context.stroke();
+    context.lineCap = "butt";
+    const letters = Math.round(14 + 10 * this.size);
+    context.font = `italic ${letters}px ${kTitles}`;
+    const isRoom = down > 0 && aside === 0 && box.bottom - end > letters; // below the arrow: a shank is beside it
+    const [left, base] = isRoom ? [Math.max(12, x - context.measureText("pull me").width / 2), end + letters] : [x + 18, (begin + end) / 2 + 8];
+    this.write(context, "pull me", left, base, "accent", context.font);
   }
 
   write(context, text, x, y, paint, font = "12px system-ui") {
@@ -192,7 +297,7 @@ export class Stage {
     if (item.kind === "string") this.drawString(context, box, item, this.curve(item, i, part), value);
     if (item.kind === "surface") this.drawSurface(context, box, item, this.curve(item, i, part));
     if (item.kind === "body") this.drawBody(context, box, this.curve(item, i, part));
-    if (item.kind === "hammer") this.drawHammer(context, box, item, across(item.at), value);
+    if (item.kind === "hammer") this.drawHammer(context, box, item, across(item.at), value, this.shape(i, part));
     if (item.kind === "stop" && !this.bridge?.includes(item)) {
       const x = across(item.places ? value(item.places) : item.at);
       this.drawStop(context, x, this.height(box, item.values ? value(item.values) : item.height), item, value(item.forces), box);
@@ -212,23 +317,56 @@ export class Stage {
     context.strokeStyle = colour("blue");
     context.lineJoin = "round";
     if (!this.pulled) this.drawTraces(context, box, item, across);
-    context.lineWidth = 3;
     context.beginPath();
     const { plucks } = this.study.scene;
     const finger = plucks?.column === item.column ? across(plucks.at * (curve.length - 1)) : null;
     if (this.pulled && finger !== null) {
       context.moveTo(box.left, box.middle);
-      context.lineTo(finger, box.middle + this.pulled.power * this.pulled.side * kReach);
+      context.lineTo(finger, box.middle + this.pulled.power * this.pulled.side * this.wayOf(box));
       context.lineTo(box.right, box.middle);
     } else {
       curve.forEach((y, p) => context.lineTo(across(p), this.height(box, y)));
     }
-    context.stroke();
-    if (finger !== null) this.drawFinger(context, box, finger, curve[Math.round(plucks.at * (curve.length - 1))]);
-    context.fillStyle = colour("ink");
-    context.fillRect(box.left - 3, box.middle - 10, 6, 20);
+    this.strokeString(context);
+    for (const [x, out] of item.boards ? [[box.left, -1]] : [[box.left, -1], [box.right, 1]]) this.drawEnd(context, x, box.middle, out);
     if (item.boards) this.drawBoard(context, box, item, value(item.boards));
-    else context.fillRect(box.right - 3, box.middle - 10, 6, 20);
+    if (finger !== null) this.drawFinger(context, box, finger, curve[Math.round(plucks.at * (curve.length - 1))]);
+  }
+
+  // The path of now as a string: thicker the lower its key, the lowest with windings, with light on it.
+  strokeString(context) {
+    const size = this.key === null ? 5 : 3.5 + 0.07 * Math.max(0, 96 - this.key);
+    context.lineWidth = size;
+    context.stroke();
+    if (this.key !== null && this.key < kFirstPlain) {
+      context.save();
+      context.strokeStyle = colour("paper");
+      context.globalAlpha = 0.45;
+      context.setLineDash([1, 3]);
+      context.stroke();
+      context.restore();
+    }
+    context.save();
+    context.translate(0, -size / 5);
+    context.strokeStyle = "#ffffff";
+    context.globalAlpha = 0.4;
+    context.lineWidth = size / 4;
+    context.stroke();
+    context.restore();
+  }
+
+  // What a string lies on, out: to which side it goes on.
+  drawEnd(context, x, y, out) {
+    context.fillStyle = colour("soft");
+    context.beginPath();
+    context.moveTo(x - 2 * out, y + 2);
+    context.lineTo(x + 16 * out, y + 24);
+    context.lineTo(x - 7 * out, y + 24);
+    context.fill();
+    context.fillStyle = colour("ink");
+    context.beginPath();
+    context.arc(x, y, 5, 0, 2 * Math.PI);
+    context.fill();
   }
 
   // Where a string has just been, paler the longer ago.
@@ -248,8 +386,8 @@ export class Stage {
 
   // Where a string is plucked: a ring to pull at.
   drawFinger(context, box, x, displacement) {
-    const y = this.pulled ? box.middle + this.pulled.power * this.pulled.side * kReach : this.height(box, displacement);
-    context.strokeStyle = colour("orange");
+    const y = this.pulled ? box.middle + this.pulled.power * this.pulled.side * this.wayOf(box) : this.height(box, displacement);
+    context.strokeStyle = colour("accent");
     context.lineWidth = 2;
     context.beginPath();
     context.arc(x, y, 9, 0, 2 * Math.PI);
@@ -258,12 +396,12 @@ export class Stage {
     this.hold = { x, y, down: 0 };
   }
 
-  // A membrane seen from the side, blue where its displacement is positive, orange where it is negative.
+  // A membrane seen from the side, blue where its displacement is positive, in the accent's colour where it is negative.
   drawSurface(context, box, { quads }, curve) {
     const [rx, cx] = [(box.right - box.left) / 2, (box.left + box.right) / 2];
     const ry = Math.min(kTilt * rx, 0.36 * (box.bottom - box.top));
     const height = ({ at }) => (at === null ? 0 : curve[at]);
-    const [up, down, mesh] = [colour("blue"), colour("orange"), colour("soft")];
+    const [up, down, mesh] = [colour("blue"), colour("accent"), colour("soft")];
     context.lineWidth = 0.5;
     context.strokeStyle = mesh;
     for (const corners of quads) {
@@ -321,7 +459,7 @@ export class Stage {
   // A point that a string meets; it is filled while it pushes.
   drawStop(context, x, y, { side, name }, force, box) {
     const away = Math.sign(side * -box.unit); // to where the stop continues on the canvas
-    context.fillStyle = colour(force > 0 ? "orange" : "soft");
+    context.fillStyle = colour(force > 0 ? "accent" : "soft");
     context.beginPath();
     context.moveTo(x, y);
     context.lineTo(x - 7, y + 16 * away);
@@ -331,35 +469,127 @@ export class Stage {
   }
 
   drawTouch(context, x, y, force) {
-    context.fillStyle = colour(force > 0 ? "orange" : "line");
+    context.fillStyle = colour(force > 0 ? "accent" : "line");
     context.beginPath();
     context.arc(x, y, 5, 0, 2 * Math.PI);
     context.fill();
   }
 
-  // The felt yields where it meets the string: its top stays at the string.
-  drawHammer(context, box, item, x, value) {
+  // The felt yields where it meets the string: its top stays at the string. Far away the hammer waits where it is seen.
+  drawHammer(context, box, item, x, value, string) {
     const place = this.pulled?.place ?? null;
     if (place !== null) x = box.left + (box.right - box.left) * place;
-    const compression = Math.max(0, value(item.compressions));
     const down = Math.sign(box.unit); // on the canvas
-    const top = this.height(box, value(item.values) + (item.surface ?? 0) - compression) + (this.pulled ? this.pulled.power * kReach : 0) * down;
-    const squeezed = this.pulled ? 0 : Math.min(30, compression * Math.abs(box.unit));
-    const [radius, depth] = [18, 47];
-    const felt = Math.max(10, depth - squeezed);
+    const { size, pulled } = this;
+    const compression = Math.max(0, value(item.compressions));
+    const squeezed = pulled ? 0 : Math.min(0.5 * kFelt, (compression * Math.abs(box.unit)) / size);
+    const touched = (displacement) => this.height(box, displacement + (item.surface ?? 0));
+    const farthest = down > 0 ? box.bottom - kHead * size : box.top + kHead * size;
+    const seen = touched(value(item.values) - compression);
+    const top = pulled ? touched(0) + pulled.power * this.wayOf(box) * down : down > 0 ? Math.min(seen, farthest) : Math.max(seen, farthest);
+    const hasShank = down > 0 && string !== null;
+    if (hasShank) this.drawShank(context, box, x, top - squeezed * size, touched(0));
+    else this.drawStick(context, box, x, top + down * (kFelt - squeezed) * size, down);
+    context.save();
+    if (hasShank) this.clipBelow(context, box, string);
+    context.translate(x, top);
+    context.scale(size, down * size);
+    this.drawHead(context, kFelt - squeezed, squeezed);
+    context.restore();
+    this.hold = { x, y: top + down * 0.4 * kHead * size, down, aside: hasShank ? 0 : 34 * size, top: Math.min(top, top + down * kHead * size), bottom: Math.max(top, top + down * kHead * size) };
+    if (pulled) this.write(context, pulled.text, x + 34 * size, top + down * 20, "ink", "600 14px system-ui");
+  }
+
+  // The displacements of the first string, or null.
+  shape(i, part) {
+    const string = this.items.find(({ kind }) => kind === "string");
+    return string ? this.curve(string, i, part) : null;
+  }
+
+  // Felt takes the shape of the string that it meets.
+  clipBelow(context, box, curve) {
+    context.beginPath();
+    curve.forEach((y, p) => context.lineTo(box.left + ((box.right - box.left) * p) / (curve.length - 1), this.height(box, y)));
+    for (const x of [this.canvas.clientWidth, 0]) context.lineTo(x, this.canvas.clientHeight);
+    context.lineTo(0, box.middle);
+    context.clip();
+  }
+
+  // Pixels by which something is pulled for all of its power.
+  wayOf(box) {
+    if (this.depth === null) return Math.max(kLeastReach, Math.min(kReach, (box.bottom - box.top) / 2 - 12));
+    const room = (box.unit > 0 ? box.bottom - box.middle : box.middle - box.top) - kHead * this.size;
+    return Math.max(kLeastReach, Math.min(kReach, room));
+  }
+
+  // Felt of so much depth around a wooden core: layers that lie closer when they are pressed. The string is at (0, 0).
+  drawHead(context, depth, squeezed) {
+    const layer = (part) => {
+      const [w, top, base] = [part * (22 + 0.3 * squeezed), depth * (1 - part) * 0.72, depth + 9];
+      const flat = part * (2 + 0.4 * squeezed);
+      context.beginPath();
+      context.moveTo(-flat, top);
+      context.lineTo(flat, top);
+      context.bezierCurveTo(0.8 * w, top, w, top + 0.28 * (base - top), w, top + 0.5 * (base - top));
+      context.bezierCurveTo(w, base - 6, 0.7 * w, base, 8, base);
+      context.lineTo(-8, base);
+      context.bezierCurveTo(-0.7 * w, base, -w, base - 6, -w, top + 0.5 * (base - top));
+      context.bezierCurveTo(-w, top + 0.28 * (base - top), -0.8 * w, top, -flat, top);
+      context.closePath();
+    };
+    const fill = (paint, alpha = 1) => Object.assign(context, { fillStyle: colour(paint), globalAlpha: alpha }).fill();
+    layer(1);
+    fill("felt");
+    Object.assign(context, { strokeStyle: "#33241a", lineWidth: 0.8 });
+    for (const part of [0.88, 0.76, 0.64, 0.52]) {
+      layer(part);
+      context.globalAlpha = 0.25 + squeezed / 100;
+      context.stroke();
+    }
+    layer(0.42);
+    fill("accent");
+    context.beginPath();
+    context.moveTo(0, 0.62 * depth);
+    context.lineTo(9, depth + 2);
+    context.lineTo(8, depth + 34);
+    context.quadraticCurveTo(0, depth + 40, -8, depth + 34);
+    context.lineTo(-9, depth + 2);
+    context.closePath();
+    fill("wood");
+    context.globalAlpha = 0.35;
+    context.stroke();
+    context.globalAlpha = 1;
+  }
+
+  // From the head along the string to where it turns, which stays in its place.
+  drawShank(context, box, x, top, rest) {
+    const { size } = this;
+    const way = Math.min(kShank * size, 0.45 * (box.right - box.left));
+    const pivot = { x: x + way < box.right ? x + way : x - way, y: rest + (kFelt + 26) * size };
+    Object.assign(context, { strokeStyle: colour("wood"), lineWidth: 8 * size, lineCap: "round" });
+    context.beginPath();
+    context.moveTo(x, top + (kFelt + 26) * size);
+    context.lineTo(pivot.x, pivot.y);
+    context.stroke();
+    context.lineCap = "butt";
+    context.fillStyle = colour("soft");
+    context.beginPath();
+    context.arc(pivot.x, pivot.y, 9 * size, 0, 2 * Math.PI);
+    context.fill();
+    context.fillStyle = colour("paper");
+    context.beginPath();
+    context.arc(pivot.x, pivot.y, 3 * size, 0, 2 * Math.PI);
+    context.fill();
+  }
+
+  drawStick(context, box, x, y, down) {
     context.save();
     context.beginPath();
-    context.rect(0, 0, this.canvas.clientWidth, box.bottom + 6);
+    context.rect(0, box.top - 8, this.canvas.clientWidth, box.bottom - box.top + 14);
     context.clip();
     context.fillStyle = colour("wood");
-    context.fillRect(x - 5, down > 0 ? top + felt - 8 : top - felt + 8 - 400, 10, 400);
-    context.fillStyle = colour("felt");
-    context.beginPath();
-    context.roundRect(x - radius - squeezed / 4, down > 0 ? top : top - felt, 2 * radius + squeezed / 2, felt, radius * 0.8);
-    context.fill();
+    context.fillRect(x - 5 * this.size, down > 0 ? y : y - 400, 10 * this.size, 400);
     context.restore();
-    this.hold = { x, y: top + (down * felt) / 2, down };
-    if (this.pulled) this.write(context, this.pulled.text, x + 26, top + down * 20, "ink", "600 14px system-ui");
   }
 
   // The points of a bridge near the end of the string, larger in both directions.
@@ -410,53 +640,32 @@ export class Stage {
     this.write(context, `${readable(1000 * metres)} mm`, x + right, bottom + down, "ink");
   }
 
-  // The force of the whole note, filled up to the time that is shown.
-  drawForce(context, { left, right, top, bottom }, frame, value) {
-    const peak = largest(this.forces) || 1;
-    const across = (i) => left + ((right - left) * i) / (this.forces.length - 1);
+  // The force of the note, filled up to the time that is shown.
+  drawForce(context, { left, right, top, bottom }, frame) {
+    const forces = this.forces.subarray(0, this.frames);
+    const peak = largest(forces) || 1;
+    const across = (i) => left + ((right - left) * i) / (forces.length - 1);
     const area = (end) => {
       context.beginPath();
       context.moveTo(left, bottom);
-      for (let i = 0; i <= end; ++i) context.lineTo(across(i), bottom - ((bottom - top) * this.forces[i]) / peak);
+      for (let i = 0; i <= end; ++i) context.lineTo(across(i), bottom - ((bottom - top) * forces[i]) / peak);
       context.lineTo(across(end), bottom);
       context.fill();
     };
     context.globalAlpha = 0.3;
-    context.fillStyle = colour("orange");
-    area(this.forces.length - 1);
+    context.fillStyle = colour("accent");
+    area(forces.length - 1);
     context.globalAlpha = 1;
-    area(Math.min(this.forces.length - 1, Math.floor(frame)));
+    area(Math.min(forces.length - 1, Math.floor(frame)));
     context.fillStyle = colour("ink");
     context.fillRect(left, bottom, right - left, 1);
     context.fillRect(across(frame) - 1, top - 4, 2, bottom - top + 8);
-    ["force", "up to", `${readable(Number(peak.toPrecision(3)))} N`].forEach((line, k) => this.write(context, line, 12, top + 10 + 14 * k, "soft"));
-    const text = `${readable(1000 * this.length())} ms`;
+    const told = `force, up to ${readable(Number(peak.toPrecision(3)))} N`;
+    context.font = "12px system-ui";
+    this.write(context, told, right - context.measureText(told).width, top + 10, "soft");
+    const text = `${readable(Number((1000 * this.length()).toPrecision(2)))} ms`;
     this.write(context, "0 ms", left, bottom + 15, "soft");
     this.write(context, text, right - context.measureText(text).width, bottom + 15, "soft");
-  }
-
-  // One column of constant height: what changes is only where the energy is.
-  drawEnergy(context, { x, width, bottom }, value) {
-    const parts = this.energies.map(([name, list]) => [Math.max(0, value(list)), name, kPaints[name] ?? "soft"]);
-    const total = parts.reduce((sum, [energy]) => sum + energy, 0) || 1;
-    const percents = wholePercents(parts.map(([energy]) => energy / total));
-    const top = 34;
-    const full = bottom - top;
-    let y = bottom;
-    parts.forEach(([energy, label, paint], k) => {
-      const part = (energy / total) * full;
-      context.fillStyle = colour(paint);
-      context.fillRect(x, y - part, width, part);
-      const line = bottom - 16 - k * Math.min(40, full / parts.length);
-      context.fillRect(x + width + 8, line - 9, 9, 9);
-      this.write(context, label, x + width + 21, line, "ink");
-      this.write(context, `${percents[k]} %`, x + width + 21, line + 14, "ink");
-      y -= part;
-    });
-    context.strokeStyle = colour("ink");
-    context.lineWidth = 1;
-    context.strokeRect(x - 0.5, top - 0.5, width + 1, full + 1);
-    this.write(context, `energy ${readable(Number((1000 * total).toPrecision(3)))} mJ`, x - 6, 22, "ink");
   }
 
   // Pulling a hammer back sets its speed, moving it along the string its place; letting go throws it. Pulling a string sets
@@ -467,12 +676,11 @@ export class Stage {
       const { left, top } = canvas.getBoundingClientRect();
       return { x: clientX - left, y: clientY - top };
     };
-    const isNear = ({ x, y }) => this.hold && Math.hypot(x - this.hold.x, y - this.hold.y) <= kNear;
     // A finger that has taken hold of something, which pointerdown tells first, does not scroll the page.
     canvas.addEventListener("touchstart", (event) => this.pulled && event.preventDefault(), { passive: false });
     canvas.addEventListener("pointerdown", (event) => {
       const { x, y } = at(event);
-      if (!isNear({ x, y })) return;
+      if (!this.isNear({ x, y })) return;
       event.preventDefault();
       canvas.setPointerCapture(event.pointerId);
       this.setPlaying(false);
@@ -480,23 +688,47 @@ export class Stage {
       this.from = { x, y, down: this.hold.down };
       this.pull({ x, y });
     });
-    canvas.addEventListener("pointermove", (event) => this.pulled && this.pull(at(event)));
+    canvas.addEventListener("pointermove", (event) => {
+      this.pointer = at(event);
+      if (this.pulled) this.pull(this.pointer);
+      this.showHand();
+    });
     canvas.addEventListener("pointerup", () => {
       if (!this.pulled) return;
       const { power, place } = this.pulled;
-      this.pulled = null;
+      this.isInviting = false;
+      this.wake();
+      this.endPull();
       this.thrown({ power: power > 0.03 ? power : null, place });
     });
     canvas.addEventListener("pointercancel", () => {
-      this.pulled = null;
-      this.draw();
+      if (!this.pulled) return;
+      this.endPull();
+      if (this.isAwake) this.setPlaying(true);
+      else this.rest();
     });
+  }
+
+  // Shows what came meanwhile.
+  endPull() {
+    const { next } = this;
+    this.slip();
+    if (next) this.show(next.study, next.key);
+  }
+
+  isNear({ x, y }) {
+    return this.hold && Math.hypot(x - this.hold.x, y - this.hold.y) <= kNear;
+  }
+
+  // The pointer is a hand where it can take hold.
+  showHand() {
+    this.canvas.style.cursor = this.pulled ? "grabbing" : this.pointer && this.isNear(this.pointer) ? "grab" : "";
   }
 
   // A hammer is pulled back, a string to both sides.
   pull({ x, y }) {
     const { left, right } = this.box;
-    const way = (y - this.from.y) / kReach;
+    const way = (y - this.from.y) / this.wayOf(this.box);
     const { down } = this.from;
     const power = Math.max(0, Math.min(1, down === 0 ? Math.abs(way) : way * down));
     const moves = down !== 0 && this.study.scene.moves !== null && Math.abs(x - this.from.x) > 6;

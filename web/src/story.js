@@ -271,6 +271,7 @@ export class Story {
       },
       tell: (power, place) => toldOf(stage.study.scene, parameters, power, place),
     });
+    stage.wake();
     const study = () => {
       this.studies.useMaterial(this.shipped());
       stage.show(this.studies.play(instrument, values, { key: kMiddleC, velocity: state.power ?? velocity, event: 0 }));
