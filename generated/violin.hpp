@@ -416,7 +416,7 @@ class violin : public Voices<NetworkInstrument<T>> {
       return {"violin", "four strings of a violin under a bow", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
               knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
               parameters, events, outputs,
-              {key_ranges, 1, tension_squares, 0, damped, 15.0, 6, 7}, preset_names, preset_values, wavenumbers, {}, {}, {}, {}, {}, {}, {}, {}, bows, 5};
+              {key_ranges, 1, tension_squares, 0, damped, 15.0, 6, 7}, preset_names, preset_values, wavenumbers, {}, {}, {}, {}, {}, {}, {}, {}, {}, bows, 5};
     }
   };
 };

@@ -26,6 +26,18 @@ std::string range_text(std::vector<double> numbers) {
   return min == max ? fmt::format("{:.6g}", min) : fmt::format("{:.6g} to {:.6g}", min, max);
 }
 
+// A string or a membrane by its stiffness, a circular plate by its Airy functions and what they leave out.
+std::string stretch_row(const InstrumentBody& body) {
+  if (body.airy_functions == 0)
+    return body.stretches() ? fmt::format(", stretches with {:.6g} J", body.stretch_j) : "";
+  constexpr std::size_t kLowest = 10;
+  const double kept = kept_of_stretching(std::get<RoundPlate>(body.resonator.body), kLowest, body.airy_functions);
+  return fmt::format(
+      ", stretches by {} Airy functions, which hold {:.3g} % or more of the energy of each of its {} "
+      "lowest modes",
+      body.airy_functions, 100 * kept, kLowest);
+}
+
 std::string body_row(const InstrumentBody& body, double sample_rate_hz) {
   if (body.is_mass)
     return fmt::format("{:.6g} kg", std::get<ModeTable>(body.resonator.body).rows.front().mode.mass_kg);
@@ -35,7 +47,7 @@ std::string body_row(const InstrumentBody& body, double sample_rate_hz) {
     return mode.mode.angular_frequency_rad_per_s / (2 * std::numbers::pi);
   };
   return fmt::format("{} modes from {:.6g} to {:.6g} Hz{}", modes.size(), hz(modes.front()), hz(modes.back()),
-                     body.stretch_j > 0 ? fmt::format(", stretches with {:.6g} J", body.stretch_j) : "");
+                     stretch_row(body));
 }
 
 // Of the diameter or radius on which a point lies, as position_of counts it [rad].
@@ -52,7 +64,7 @@ std::string place_row(const decltype(Resonator::body)& body, const InstrumentPla
   for (const Place& point : place.points) positions.push_back(position_of(point));
   std::string row = fmt::format("{} m", range_text(positions));
   if (std::holds_alternative<Plate>(body)) row += fmt::format(", {:.6g} m across", place.points.front().across_m);
-  if (std::holds_alternative<Membrane>(body)) row += fmt::format(", {:.6g} rad", angle_of(place.points.front()));
+  if (is_round(body)) row += fmt::format(", {:.6g} rad", angle_of(place.points.front()));
   return positions.size() == 1 ? row : fmt::format("{}, {} points", row, positions.size());
 }
 

@@ -133,7 +133,7 @@ std::string cpp_numbers(std::string_view name, const std::vector<double>& number
 
 // Where a string without keys stretches, of its far ends alone.
 std::string cpp_far_ends(const InstrumentArrays& arrays) {
-  if (arrays.stretch_squares.empty() || arrays.far_ends == 0) return "{}";
+  if (arrays.stretch_forms.empty() || arrays.far_ends == 0) return "{}";
   return fmt::format("{{{{}}, 1, {{}}, {}, {{}}, 0, kNoParameter, kNoParameter}}", arrays.far_ends);
 }
 
@@ -165,6 +165,24 @@ void add_cpp_pressure(const InstrumentArrays& arrays, std::string& text, std::ve
   view[8] = "pressure_taps";
 }
 
+// Adds the forms of bodies that stretch to the text and to the view of them.
+void add_cpp_forms(const InstrumentArrays& arrays, std::string& text, std::vector<std::string>& view) {
+  if (arrays.stretch_forms.empty()) return;
+  text += cpp_array("InstrumentForm", arrays.stretch_forms.size(), "stretch_forms",
+                    "{\n" + rows_of(arrays.stretch_forms, "        ", [](const InstrumentForm& form, std::size_t) {
+                      return fmt::format("{{{}, {}, {}}}", form.body, literal(form.stiffness_j), form.products);
+                    }) + "}");
+  text += cpp_numbers("stretch_squares", arrays.stretch_squares);
+  text += cpp_array(
+      "StretchForm::Product", arrays.stretch_products.size(), "stretch_products",
+      "{\n" + rows_of(arrays.stretch_products, "        ", [](const StretchForm::Product& product, std::size_t) {
+        return fmt::format("{{{}, {}, {}}}", product.first, product.second, literal(product.factor_per_m2));
+      }) + "}");
+  view[10] = "stretch_forms";
+  view[11] = "stretch_squares";
+  view[12] = "stretch_products";
+}
+
 // Adds the bows to the text and to the view of them.
 void add_cpp_bows(const InstrumentModel& model, const InstrumentArrays& arrays, std::string& text,
                   std::vector<std::string>& view) {
@@ -174,8 +192,8 @@ void add_cpp_bows(const InstrumentModel& model, const InstrumentArrays& arrays, 
                       return fmt::format("{{{}, {}, {{{}, {}}}}}", bow.first, bow.count,
                                          literal(bow.limits.min_n_s_per_m), literal(bow.limits.max_n_s_per_m));
                     }) + "}");
-  view[12] = "bows";
-  view[13] = place_or("kNoParameter", model.assistance);
+  view[13] = "bows";
+  view[14] = place_or("kNoParameter", model.assistance);
 }
 
 // What keys, presets, places that move, memories, listening places, loads at rest and bodies that stretch add to the
@@ -186,7 +204,7 @@ void add_cpp_options(const InstrumentModel& model, const InstrumentArrays& array
   values["BASE"] = has_keys ? "Voices<NetworkInstrument<T>>" : "NetworkInstrument<T>";
   values["VOICES"] = has_keys ? "\n#include \"contactspline/instrument/voices.hpp\"" : "";
   std::string& text = values["OPTIONS"] = "";
-  std::vector<std::string> view(14, "{}");  // the last members of InstrumentData
+  std::vector<std::string> view(15, "{}");  // the last members of InstrumentData
   view[0] = has_keys ? add_cpp_keys(keys, arrays, text) : cpp_far_ends(arrays);
   if (!arrays.preset_names.empty()) {
     std::vector<std::string> names;
@@ -217,12 +235,7 @@ void add_cpp_options(const InstrumentModel& model, const InstrumentArrays& array
                       }) + "}");
     view[9] = "holds";
   }
-  if (!arrays.stretch_squares.empty()) {
-    text += cpp_numbers("stretch_squares", arrays.stretch_squares);
-    text += cpp_numbers("stretch_stiffnesses", arrays.stretch_stiffnesses);
-    view[10] = "stretch_squares";
-    view[11] = "stretch_stiffnesses";
-  }
+  add_cpp_forms(arrays, text, view);
   add_cpp_bows(model, arrays, text, view);
   while (!view.empty() && view.back() == "{}") view.pop_back();
   values["OPTIONS_VIEW"] = view.empty() ? "" : fmt::format(",\n              {}", fmt::join(view, ", "));
@@ -274,6 +287,22 @@ TemplateValues cpp_values(const InstrumentModel& model, const InstrumentArrays& 
   return values;
 }
 
+std::string json_forms(const InstrumentArrays& arrays) {
+  return fmt::format(
+      ",\n  \"stretch_forms\": [\n{}\n  ],\n  \"stretch_squares_per_m2\": [\n{}\n  ],\n  \"stretch_products\": "
+      "[\n{}\n  ]",
+      rows_of(arrays.stretch_forms, "    ",
+              [](const InstrumentForm& form, std::size_t) {
+                return fmt::format("{{\"body\": {}, \"stiffness_j\": {}, \"products\": {}}}", form.body,
+                                   literal(form.stiffness_j), form.products);
+              }),
+      literal_rows(arrays.stretch_squares, 4),
+      rows_of(arrays.stretch_products, "    ", [](const StretchForm::Product& product, std::size_t) {
+        return fmt::format("{{\"first\": {}, \"second\": {}, \"factor_per_m2\": {}}}", product.first, product.second,
+                           literal(product.factor_per_m2));
+      }));
+}
+
 // Keys, presets, places that move and bodies that stretch, of a file that has them.
 std::string json_options_of(const InstrumentModel& model, const InstrumentArrays& arrays) {
   std::string text;
@@ -298,9 +327,7 @@ std::string json_options_of(const InstrumentModel& model, const InstrumentArrays
   }
   if (!arrays.wavenumbers.empty())
     text += fmt::format(",\n  \"wavenumber_rad_per_m\": [\n{}\n  ]", literal_rows(arrays.wavenumbers, 4));
-  if (!arrays.stretch_squares.empty())
-    text += fmt::format(",\n  \"stretch_squares_per_m2\": [\n{}\n  ],\n  \"stretch_stiffnesses_j\": [\n{}\n  ]",
-                        literal_rows(arrays.stretch_squares, 4), literal_rows(arrays.stretch_stiffnesses, 4));
+  if (!arrays.stretch_forms.empty()) text += json_forms(arrays);
   if (!arrays.bows.empty())
     text += fmt::format(
         ",\n  \"bows\": [\n{}\n  ]", rows_of(arrays.bows, "    ", [](const InstrumentBow& bow, std::size_t) {

@@ -12,6 +12,7 @@
 namespace contactspline {
 namespace {
 
+constexpr int kMaxAiryFunctions = 64;
 constexpr Range kCoreDiameter{1e-5, 0.1}, kHeadThickness{1e-6, 0.1}, kPoisson{-0.999, 0.999};
 
 /// Reads bodies, then places on them.
@@ -20,10 +21,11 @@ class BodyReader {
   BodyReader(InstrumentDraft& draft, const ReadFile& read) : draft_(draft), model_(draft.model), read_(read) {}
 
   void read() {
-    for (const JsonObject& body : draft_.json.objects("bodies",
-                                                      {"name", "resonator", "string", "bar", "membrane", "plate",
-                                                       "modes", "mass_kg", "tuning_cents", "max_modes", "stretch"},
-                                                      kMaxBodies))
+    for (const JsonObject& body :
+         draft_.json.objects("bodies",
+                             {"name", "resonator", "string", "bar", "membrane", "plate", "round_plate", "modes",
+                              "mass_kg", "tuning_cents", "max_modes", "stretch"},
+                             kMaxBodies))
       read_body(body);
     for (const JsonObject& place : draft_.objects("places", {"name", "body", "position_m", "angle_rad", "across_m",
                                                              "positions_m", "mean_radius_m", "shapes"}))
@@ -34,7 +36,8 @@ class BodyReader {
   void read_body(const JsonObject& body) {
     InstrumentBody read{draft_.own_name(body), {}, false};
     const std::string kind =
-        one_of_keys(body, {"resonator", "string", "bar", "membrane", "plate", "modes", "mass_kg"}, "kinds of body");
+        one_of_keys(body, {"resonator", "string", "bar", "membrane", "plate", "round_plate", "modes", "mass_kg"},
+                    "kinds of body");
     if (kind == "mass_kg") {
       read.is_mass = true;
       read.resonator = {read.name, "", ModeTable{{{{0, 0, body.number("mass_kg", kModalMass_kg)}, 1, 1}}}, {}, {}, 1};
@@ -73,11 +76,12 @@ class BodyReader {
       if (read.is_mass) body.fail(body.key("max_modes"), "is not for a mass", "beside resonators");
       read.resonator.max_modes = body.integer("max_modes", 1, max_modes_of(read.resonator.body));
     }
-    if (body.has("stretch")) read.stretch_j = read_stretch(body, read);
+    if (body.has("stretch")) read_stretch(body, read);
   }
 
-  // Stiffness of the form by which a string (Kirchhoff and Carrier) or a membrane (Berger) stretches [J].
-  static double read_stretch(const JsonObject& body, const InstrumentBody& read) {
+  // The stiffness of the form by which a string (Kirchhoff and Carrier) or a membrane (Berger) stretches, or the
+  // number of forms of a circular plate (von Karman).
+  static void read_stretch(const JsonObject& body, InstrumentBody& read) {
     const auto object = [&](const std::vector<std::string>& keys, const char* example) {
       if (!body.has_object("stretch"))
         body.fail(body.key("stretch"), "is not an object", fmt::format("such as {}", example));
@@ -88,19 +92,22 @@ class BodyReader {
                                         R"({ "youngs_modulus_pa": 2e11, "core_diameter_m": 0.0003 })");
       const double diameter = stretch.number("core_diameter_m", kCoreDiameter);
       const double section = std::numbers::pi / 4 * diameter * diameter;
-      return stretch.number("youngs_modulus_pa", ranges::kModulus) * section * string->length_m / 8;
-    }
-    if (const auto* membrane = std::get_if<Membrane>(&read.resonator.body)) {
+      read.stretch_j = stretch.number("youngs_modulus_pa", ranges::kModulus) * section * string->length_m / 8;
+    } else if (const auto* membrane = std::get_if<Membrane>(&read.resonator.body)) {
       const JsonObject stretch =
           object({"youngs_modulus_pa", "thickness_m", "poisson_ratio"},
                  R"({ "youngs_modulus_pa": 4.9e9, "thickness_m": 0.00025, "poisson_ratio": 0.38 })");
       const double thickness = stretch.number("thickness_m", kHeadThickness);
       const double poisson = stretch.number("poisson_ratio", kPoisson);
-      return stretch.number("youngs_modulus_pa", ranges::kModulus) * thickness * area_of(*membrane) /
-             (2 * (1 - poisson * poisson));
+      read.stretch_j = stretch.number("youngs_modulus_pa", ranges::kModulus) * thickness * area_of(*membrane) /
+                       (2 * (1 - poisson * poisson));
+    } else if (std::holds_alternative<RoundPlate>(read.resonator.body)) {
+      const JsonObject stretch = object({"airy_functions"}, R"({ "airy_functions": 20 })");
+      read.airy_functions = static_cast<std::size_t>(stretch.integer("airy_functions", 1, kMaxAiryFunctions));
+    } else {
+      body.fail(body.key("stretch"), fmt::format("is not for a body of the kind '{}'", kind_of(read)),
+                "beside a string, a membrane or a round_plate");
     }
-    body.fail(body.key("stretch"), fmt::format("is not for a body of the kind '{}'", kind_of(read)),
-              "beside a string or a membrane");
   }
 
   void read_place(const JsonObject& place) {
@@ -129,25 +136,26 @@ class BodyReader {
 
   static void read_points(const JsonObject& place, const InstrumentBody& body, InstrumentPlace& read) {
     if (place.has("shapes")) place.fail(place.key("shapes"), "is not for this body", "position_m or positions_m");
-    const bool is_round = std::holds_alternative<Membrane>(body.resonator.body);
+    const bool has_angle = is_round(body.resonator.body);
     if (place.has("mean_radius_m")) {
-      if (!is_round) place.fail(place.key("mean_radius_m"), "is not for this body", "on a membrane");
+      if (!std::holds_alternative<Membrane>(body.resonator.body))
+        place.fail(place.key("mean_radius_m"), "is not for this body", "on a membrane");
       for (const char* key : {"position_m", "positions_m", "angle_rad"})
         if (place.has(key)) place.fail(place.key(key), "stands beside mean_radius_m", "one of the two");
       read.points.push_back(
           {.position_m = 0, .mean_radius_m = place.number("mean_radius_m", {1e-6, extent_of(body.resonator.body)})});
       return;
     }
-    if (place.has("angle_rad") && !is_round)
-      place.fail(place.key("angle_rad"), "is not for this body", "on a membrane");
+    if (place.has("angle_rad") && !has_angle)
+      place.fail(place.key("angle_rad"), "is not for this body", "on a membrane or a round_plate");
     const auto* plate = std::get_if<Plate>(&body.resonator.body);
     if (place.has("across_m") && plate == nullptr)
       place.fail(place.key("across_m"), "is not for this body", "on a plate");
     const double across = plate != nullptr ? place.number("across_m", {0, plate->width_m}) : 0;
     const double angle = place.has("angle_rad") ? place.number("angle_rad", kPlaceAngle_rad) : 0;
-    // On a membrane a negative radius lies on the other side of the centre.
+    // A negative radius lies on the other side of the centre.
     const double extent = extent_of(body.resonator.body);
-    const Range range{is_round ? -extent : 0, extent};
+    const Range range{has_angle ? -extent : 0, extent};
     const std::string key = one_of_keys(place, {"position_m", "positions_m"}, "kinds of position");
     const auto positions = key == "position_m" ? std::vector{place.number("position_m", range)}
                                                : place.numbers("positions_m", range, kMaxPoints);

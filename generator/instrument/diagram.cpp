@@ -105,7 +105,7 @@ class Layout {
   [[nodiscard]] double part_of(std::size_t body, const Place& point) const {
     const Resonator& resonator = model_.bodies[body].resonator;
     const double part = position_of(point) / extent_of(resonator.body);
-    return std::holds_alternative<Membrane>(resonator.body) ? (1 + part) / 2 : part;
+    return is_round(resonator.body) ? (1 + part) / 2 : part;
   }
 
   // Where a point is drawn: to scale, but points that would lie on each other are moved apart, as little as possible.

@@ -65,6 +65,19 @@ double stretch_square(const decltype(Resonator::body)& body, const NumberedMode&
   return std::holds_alternative<StiffString>(body) ? square : 0;
 }
 
+// How a body stretches: a string or a membrane by one form, a circular plate by one for each Airy function.
+std::vector<StretchForm> forms_of(const InstrumentBody& body, std::span<const NumberedMode> modes) {
+  if (body.airy_functions > 0) {
+    std::vector<RoundPlateMode> of_plate;
+    for (const NumberedMode& mode : modes) of_plate.push_back({mode.row, mode.wavenumber_per_m});
+    return stretch_forms(std::get<RoundPlate>(body.resonator.body), of_plate, body.airy_functions);
+  }
+  if (!body.stretches()) return {};
+  StretchForm form{body.stretch_j, {}};
+  for (const NumberedMode& mode : modes) form.squares_per_m2.push_back(stretch_square(body.resonator.body, mode));
+  return {form};
+}
+
 /// Fills the arrays, part after part.
 class Flattener {
  public:
@@ -100,20 +113,28 @@ class Flattener {
   void add_body(const InstrumentBody& body) {
     const auto* string = std::get_if<StiffString>(&body.resonator.body);
     modes_.push_back(numbered_modes_of(body.resonator, limit_hz(body.resonator)).modes);
+    if (body.airy_functions > 0)  // modes that couple alike follow each other, as the kernels of forms like it
+      std::ranges::stable_sort(modes_.back(), {}, &NumberedMode::row);
     for (const NumberedMode& mode : modes_.back()) {
       if (model_.keys.tune())
         arrays_.tension_squares.push_back(string == nullptr ? 0 : thirteen_digits(square_by_tension(*string, mode)));
       if (model_.has_movers())
         arrays_.wavenumbers.push_back(string == nullptr ? 0 : thirteen_digits(mode.wavenumber_per_m));
-      if (model_.stretching_body() != nullptr)
-        arrays_.stretch_squares.push_back(
-            body.stretch_j > 0 ? thirteen_digits(stretch_square(body.resonator.body, mode)) : 0);
       arrays_.angular_frequencies.push_back(thirteen_digits(mode.mode.angular_frequency_rad_per_s));
       arrays_.decays.push_back(thirteen_digits(mode.mode.decay_per_s));
       arrays_.masses.push_back(thirteen_digits(mode.mode.mass_kg));
     }
     arrays_.body_ends.push_back(arrays_.masses.size());
-    if (model_.stretching_body() != nullptr) arrays_.stretch_stiffnesses.push_back(thirteen_digits(body.stretch_j));
+    add_forms(forms_of(body, modes_.back()));
+  }
+
+  void add_forms(const std::vector<StretchForm>& forms) {
+    for (const auto& [stiffness, squares, products] : forms) {
+      arrays_.stretch_forms.push_back({arrays_.body_ends.size() - 1, thirteen_digits(stiffness), products.size()});
+      std::ranges::transform(squares, std::back_inserter(arrays_.stretch_squares), thirteen_digits);
+      for (const auto& [first, second, factor] : products)
+        arrays_.stretch_products.push_back({first, second, thirteen_digits(factor)});
+    }
   }
 
   void add_place(const InstrumentPlace& place) {
@@ -342,8 +363,9 @@ InstrumentData InstrumentArrays::view() const {
           .pressure_paths = pressure_paths,
           .pressure_taps = pressure_taps,
           .holds = holds,
+          .stretch_forms = stretch_forms,
           .stretch_squares = stretch_squares,
-          .stretch_stiffnesses = stretch_stiffnesses,
+          .stretch_products = stretch_products,
           .bows = bows,
           .assistance = model->assistance};
 }

@@ -24,7 +24,10 @@ struct InstrumentBody {
   std::string name;
   Resonator resonator;
   bool is_mass;
-  double stretch_j = 0;  ///< stiffness of its form (StretchForm); 0: it does not stretch
+  double stretch_j = 0;  ///< of a string or membrane: stiffness of its form (StretchForm); 0: it does not stretch
+  std::size_t airy_functions = 0;  ///< of a circular plate: number of its forms
+
+  [[nodiscard]] bool stretches() const { return stretch_j > 0 || airy_functions > 0; }
 };
 
 /// One or more points of a body. On a table of modes it is one point, with its shapes.
@@ -99,7 +102,7 @@ struct InstrumentModel {
   }
   /// The first body that stretches; none: nullptr.
   [[nodiscard]] const InstrumentBody* stretching_body() const {
-    const auto found = std::ranges::find_if(bodies, [](const InstrumentBody& body) { return body.stretch_j > 0; });
+    const auto found = std::ranges::find_if(bodies, &InstrumentBody::stretches);
     return found == bodies.end() ? nullptr : &*found;
   }
 
@@ -161,7 +164,9 @@ struct InstrumentArrays {
   std::vector<PressurePath> pressure_paths;
   std::vector<double> pressure_taps;
   std::vector<HoldingForce> holds;
-  std::vector<double> stretch_squares, stretch_stiffnesses;  ///< empty unless a body stretches
+  std::vector<InstrumentForm> stretch_forms;
+  std::vector<double> stretch_squares;
+  std::vector<StretchForm::Product> stretch_products;
   std::vector<InstrumentBow> bows;
   std::shared_ptr<const InstrumentModel> model;  ///< with the text of all names
 

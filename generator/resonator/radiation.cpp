@@ -88,9 +88,10 @@ struct PlateGrid : Grid {
   std::vector<double> x, y;
 };
 
-// Rows are circles. Around a circle equal steps are exact for all angular orders below their number.
-struct MembraneGrid : Grid {
-  MembraneGrid(const Membrane& membrane, std::span<const NumberedMode> modes, double zero_rad) {
+// A membrane or a circular plate. Rows are circles. Around a circle equal steps are exact for all angular orders
+// below their number.
+struct RoundGrid : Grid {
+  RoundGrid(const decltype(Resonator::body)& body, std::span<const NumberedMode> modes, double zero_rad) {
     double max_beta = 0;
     int max_order = 0;
     for (const NumberedMode& mode : modes) {
@@ -98,10 +99,10 @@ struct MembraneGrid : Grid {
       max_order = std::max(max_order, mode.row);
     }
     constexpr double kMore = 60;  // orders of 1/R near the body
-    const double phase = (max_beta + max_wavenumber()) * membrane.radius_m;
-    const QuadratureRule radial = gauss_rule(membrane.radius_m, phase);
+    const double radius_m = radius_of(body), phase = (max_beta + max_wavenumber()) * radius_m;
+    const QuadratureRule radial = gauss_rule(radius_m, phase);
     radii = radial.points;
-    const auto steps = static_cast<std::size_t>(max_order + max_wavenumber() * membrane.radius_m + kMore);
+    const auto steps = static_cast<std::size_t>(max_order + max_wavenumber() * radius_m + kMore);
     for (std::size_t i = 0; i < steps; ++i)
       angles.push_back(2 * pi * static_cast<double>(i) / static_cast<double>(steps));
     column_weights.assign(steps, 2 * pi / static_cast<double>(steps));
@@ -109,7 +110,7 @@ struct MembraneGrid : Grid {
     for (const NumberedMode& mode : modes) {
       column_shapes.push_back(values_at(angles, [&](double a) { return std::cos(mode.row * (a - zero_rad)); }));
       row_shapes.push_back(
-          values_at(radii, [&](double r) { return boost::math::cyl_bessel_j(mode.row, mode.wavenumber_per_m * r); }));
+          values_at(radii, [&](double r) { return radial_shape(body, mode.row, mode.wavenumber_per_m, r); }));
     }
   }
   [[nodiscard]] Point point(std::size_t row, std::size_t column) const {
@@ -185,8 +186,7 @@ Arrivals arrivals_of(const Resonator& resonator, std::span<const NumberedMode> m
   if (const auto* plate = std::get_if<Plate>(&resonator.body))
     return plate->ribbed ? arrivals_of_ribbed(*plate, modes, place, reach)
                          : arrivals_of(PlateGrid(*plate, modes), place, reach);
-  return arrivals_of(MembraneGrid(std::get<Membrane>(resonator.body), modes, resonator.strike.angle_rad), place,
-                     reach);
+  return arrivals_of(RoundGrid(resonator.body, modes, resonator.strike.angle_rad), place, reach);
 }
 
 // The sum of what arrives times exp(-p t), t counted from the time that is left out.
@@ -307,7 +307,7 @@ class TapFit {
 }  // namespace
 
 bool radiates(const decltype(Resonator::body)& body) {
-  return std::holds_alternative<Plate>(body) || std::holds_alternative<Membrane>(body);
+  return std::holds_alternative<Plate>(body) || is_round(body);
 }
 
 Reach reach_of(const decltype(Resonator::body)& body, const ListeningPlace& place) {
@@ -319,7 +319,7 @@ Reach reach_of(const decltype(Resonator::body)& body, const ListeningPlace& plac
     far_x = std::abs(at.x) + plate->length_m / 2;
     far_y = std::abs(at.y) + plate->width_m / 2;
   } else {
-    const double radius = std::get<Membrane>(body).radius_m, from_axis = std::hypot(at.x, at.y);
+    const double radius = radius_of(body), from_axis = std::hypot(at.x, at.y);
     near_x = std::max(0.0, from_axis - radius);
     far_x = from_axis + radius;
   }

@@ -123,6 +123,19 @@ std::vector<NumberedMode> numbered_below(const Plate& plate, double limit, std::
   return rows_below(1, limit, max, plate.losses, [&](int m, int n) { return undamped_mode(plate, m, n); });
 }
 
+// The lowest mode of the orders 0 and 1 with a free rim is above that of order 2. Where the losses take all modes
+// below a root, as many more are sought. Bessel's functions have numbers up to 700.
+std::vector<NumberedMode> numbered_below(const RoundPlate& plate, double limit, std::size_t max) {
+  const double silent = std::sqrt(plate.losses.constant_per_s / frequency_at(plate, 1));  // w0 rises with root^2
+  const double end = std::min(600.0, root_above(max + 1) + silent);
+  limit = std::min(limit, frequency_at(plate, end));
+  const auto undamped_at = [&](int order, int i) { return undamped_mode(plate, order, i); };
+  std::vector<NumberedMode> modes = rows_below(2, limit, max, plate.losses, undamped_at);
+  for (const int order : {0, 1})
+    add_row(modes, order, limit, max, plate.losses, [&](int i) { return undamped_at(order, i); });
+  return modes;
+}
+
 std::vector<NumberedMode> numbered_below(const ModeTable& table, double limit, std::size_t) {
   std::vector<NumberedMode> modes;
   for (std::size_t i = 0; i < table.rows.size(); ++i)
@@ -140,20 +153,32 @@ double shape_at(const Bar& bar, const NumberedMode& mode, const Place& at, doubl
   return contactspline::shape_at(bar, mode.number, mode.wavenumber_per_m, at.position_m);
 }
 
-// J_m(beta r) cos(m angle), or its mean over a disc of radius a: 2 J_1(beta a)/(beta a) for m = 0, otherwise 0.
-double shape_at(const Membrane&, const NumberedMode& mode, const Place& at, double zero_rad) {
-  using boost::math::cyl_bessel_j;
-  const double beta = mode.wavenumber_per_m;
-  if (at.mean_radius_m == 0)
-    return cyl_bessel_j(mode.row, beta * at.position_m) * std::cos(mode.row * (at.angle_rad - zero_rad));
-  const double x = beta * at.mean_radius_m;
-  return mode.row == 0 ? 2 * cyl_bessel_j(1, x) / x : 0;
+double radial_shape(const Membrane&, int order, double wavenumber_per_m, double radius_m) {
+  return boost::math::cyl_bessel_j(order, wavenumber_per_m * radius_m);
+}
+
+// The shape of what is round at a place, the radial part times cos(m angle).
+template <typename RoundBody>
+double round_shape_at(const RoundBody& body, const NumberedMode& mode, const Place& at, double zero_rad) {
+  return radial_shape(body, mode.row, mode.wavenumber_per_m, at.position_m) *
+         std::cos(mode.row * (at.angle_rad - zero_rad));
+}
+
+// Or the mean over a disc of radius a: 2 J_1(beta a)/(beta a) for m = 0, otherwise 0.
+double shape_at(const Membrane& membrane, const NumberedMode& mode, const Place& at, double zero_rad) {
+  if (at.mean_radius_m == 0) return round_shape_at(membrane, mode, at, zero_rad);
+  const double x = mode.wavenumber_per_m * at.mean_radius_m;
+  return mode.row == 0 ? 2 * boost::math::cyl_bessel_j(1, x) / x : 0;
 }
 
 double shape_at(const Plate& plate, const NumberedMode& mode, const Place& at, double) {
   if (plate.ribbed) return plate.ribbed->shape_at(static_cast<std::size_t>(mode.number), at.position_m, at.across_m);
   const double kx = mode.row * pi / plate.length_m, ky = mode.number * pi / plate.width_m;
   return std::sin(kx * at.position_m) * std::sin(ky * at.across_m);
+}
+
+double shape_at(const RoundPlate& plate, const NumberedMode& mode, const Place& at, double zero_rad) {
+  return round_shape_at(plate, mode, at, zero_rad);
 }
 
 // Are there modes below the limit that nobody has computed?
@@ -181,9 +206,21 @@ double shape_of(const Resonator& resonator, const NumberedMode& mode, const Plac
 
 }  // namespace
 
+double radius_of(const decltype(Resonator::body)& round_body) {
+  const auto* membrane = std::get_if<Membrane>(&round_body);
+  return membrane != nullptr ? membrane->radius_m : std::get<RoundPlate>(round_body).radius_m;
+}
+
+double radial_shape(const decltype(Resonator::body)& round_body, int order, double wavenumber_per_m,
+                    double radius_m) {
+  const auto* membrane = std::get_if<Membrane>(&round_body);
+  return membrane != nullptr ? radial_shape(*membrane, order, wavenumber_per_m, radius_m)
+                             : radial_shape(std::get<RoundPlate>(round_body), order, wavenumber_per_m, radius_m);
+}
+
 std::string_view name_of(const decltype(Resonator::body)& body) {
   constexpr std::array<std::string_view, std::variant_size_v<decltype(Resonator::body)>> kNames = {
-      "string", "bar", "membrane", "plate", "modes"};  // in the order of the variant
+      "string", "bar", "membrane", "plate", "round_plate", "modes"};  // in the order of the variant
   return kNames[body.index()];
 }
 

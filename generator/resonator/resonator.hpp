@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The modes of a resonator from its physical parameters: stiff string, bar, circular membrane,
-// rectangular plate, table of modes.
+// rectangular plate, circular plate, table of modes.
 #pragma once
 
 #include <numbers>
@@ -14,6 +14,7 @@
 #include "contactspline/data/stiff_string.hpp"
 #include "generator/resonator/bar.hpp"
 #include "generator/resonator/plate.hpp"
+#include "generator/resonator/round_plate.hpp"
 
 namespace contactspline {
 
@@ -43,8 +44,8 @@ struct ModeTable {
   std::vector<Row> rows;
 };
 
-/// A place on the resonator; `angle_rad` is used for a membrane only, `across_m` for a plate only. On a membrane
-/// `mean_radius_m` > 0 stands for the mean displacement over the disc of this radius about the middle.
+/// A place on the resonator; `angle_rad` is used for what is round only, `across_m` for a rectangular plate only. On
+/// a membrane `mean_radius_m` > 0 stands for the mean displacement over the disc of this radius about the middle.
 struct Place {
   double position_m;
   double angle_rad = 0;
@@ -55,16 +56,27 @@ struct Place {
 struct Resonator {
   std::string name;         ///< lower-case identifier
   std::string description;  ///< one line, may be empty
-  std::variant<StiffString, Bar, Membrane, Plate, ModeTable> body;
+  std::variant<StiffString, Bar, Membrane, Plate, RoundPlate, ModeTable> body;
   Place strike, pickup;  ///< not used by a ModeTable
   int max_modes;         ///< the modes with the lowest frequencies are kept, at most this number
 };
 
-/// "string", "bar", "membrane", "plate" or "modes".
+/// Is it a membrane or a circular plate, where places have an angle?
+[[nodiscard]] inline bool is_round(const decltype(Resonator::body)& body) {
+  return std::holds_alternative<Membrane>(body) || std::holds_alternative<RoundPlate>(body);
+}
+
+/// Radius of such a body [m], and the part of a mode's shape that depends on the radius.
+[[nodiscard]] double radius_of(const decltype(Resonator::body)& round_body);
+[[nodiscard]] double radial_shape(const decltype(Resonator::body)& round_body, int order, double wavenumber_per_m,
+                                  double radius_m);
+
+/// "string", "bar", "membrane", "plate", "round_plate" or "modes".
 [[nodiscard]] std::string_view name_of(const decltype(Resonator::body)& body);
 
-/// A mode of a body without a place: number 1, 2, ... in a row m of modes, for a membrane cos(m angle), for a plate
-/// sin(m pi x/length); 0 and the place in the table for a table of modes, and in its modes for a plate with ribs.
+/// A mode of a body without a place: number 1, 2, ... in a row m of modes, for what is round cos(m angle), for a
+/// plate sin(m pi x/length); 0 and the place in the table for a table of modes, and in its modes for a plate with
+/// ribs.
 struct NumberedMode {
   Mode mode;
   double wavenumber_per_m;  ///< for a string the shape is sin(wavenumber x); 0 in a table of modes

@@ -27,6 +27,7 @@ constexpr Range kQuadraticLoss{0, 1e3};
 constexpr Range kThickness{1e-6, 1};
 constexpr Range kDensity{1, 3e4};
 constexpr Range kPoisson{-0.999, 0.999};
+constexpr Range kRoundPoisson{0, 0.499};
 constexpr std::size_t kMaxStrings = 8;
 constexpr Range kMassPerLength{0, 1e3};
 constexpr std::size_t kMaxRibs = 64;
@@ -174,6 +175,23 @@ Plate read_plate(const JsonObject& body) {
   return plate;
 }
 
+RoundPlate read_round_plate(const JsonObject& body) {
+  RoundPlate plate{body.number("radius_m", kLength),
+                   body.number("thickness_m", kThickness),
+                   body.number("density_kg_m3", kDensity),
+                   body.number("youngs_modulus_pa", ranges::kModulus),
+                   body.number("poisson_ratio", kRoundPoisson),
+                   read_losses(body)};
+  if (!body.has("rim")) return plate;
+  constexpr const char* kAllowed = "free or clamped";
+  const std::string rim = body.text("rim", kAllowed);
+  if (rim == "clamped")
+    plate.rim = PlateRim::kClamped;
+  else if (rim != "free")
+    body.fail(body.key("rim"), fmt::format("'{}' is no rim", shown(rim)), kAllowed);
+  return plate;
+}
+
 ModeTable read_modes(const JsonObject& resonator) {
   ModeTable table;
   for (const JsonObject& row : resonator.objects(
@@ -206,6 +224,9 @@ const std::vector<std::string> kBarKeys = {
 const std::vector<std::string> kMembraneKeys = {"radius_m", "mass_per_area_kg_m2", "tension_n_per_m",
                                                 "constant_loss_per_s", "quadratic_loss_m2_per_s"};
 
+const std::vector<std::string> kRoundPlateKeys = {
+    "radius_m",      "thickness_m",         "density_kg_m3",           "youngs_modulus_pa",
+    "poisson_ratio", "constant_loss_per_s", "quadratic_loss_m2_per_s", "rim"};
 const std::vector<std::string> kPlateKeys = {"length_m",
                                              "width_m",
                                              "thickness_m",
@@ -220,10 +241,11 @@ const std::vector<std::string> kPlateKeys = {"length_m",
 
 decltype(Resonator::body) read_body(const JsonObject& resonator) {
   int kinds = 0;
-  for (const char* kind : {"string", "bar", "membrane", "plate", "modes"}) kinds += resonator.has(kind);
+  for (const char* kind : {"string", "bar", "membrane", "plate", "round_plate", "modes"})
+    kinds += resonator.has(kind);
   if (kinds != 1)
     resonator.fail("string", fmt::format("{} kinds of body are given", kinds),
-                   "just one of string, bar, membrane, plate, modes");
+                   "just one of string, bar, membrane, plate, round_plate, modes");
   return resonator.has("modes") ? read_modes(resonator) : read_shaped_body(resonator);
 }
 
@@ -233,12 +255,13 @@ struct Extent {
   double operator()(const Bar& body) const { return body.length_m; }
   double operator()(const Membrane& body) const { return body.radius_m; }
   double operator()(const Plate& body) const { return body.length_m; }
+  double operator()(const RoundPlate& body) const { return body.radius_m; }
   double operator()(const ModeTable&) const { return 0; }
 };
 
 Place read_place(const JsonObject& resonator, const char* name, const decltype(Resonator::body)& body) {
   const auto* plate = std::get_if<Plate>(&body);
-  const bool round = std::holds_alternative<Membrane>(body);
+  const bool round = is_round(body);
   std::vector<std::string> keys = {"position_m"};
   if (round) keys.emplace_back("angle_rad");
   if (plate != nullptr) keys.emplace_back("across_m");
@@ -253,6 +276,7 @@ decltype(Resonator::body) read_shaped_body(const JsonObject& object) {
   if (object.has("string")) return read_string(object.object("string", kStringKeys));
   if (object.has("bar")) return read_bar(object.object("bar", kBarKeys));
   if (object.has("plate")) return read_plate(object.object("plate", kPlateKeys));
+  if (object.has("round_plate")) return read_round_plate(object.object("round_plate", kRoundPlateKeys));
   return read_membrane(object.object("membrane", kMembraneKeys));
 }
 
@@ -300,9 +324,9 @@ double extent_of(const decltype(Resonator::body)& body) {
 }
 
 Resonator parse_resonator(std::string_view text, std::string_view file) {
-  const JsonObject resonator = parse_json(
-      text, file, "resonator",
-      {"name", "description", "string", "bar", "membrane", "plate", "modes", "strike", "pickup", "max_modes"});
+  const JsonObject resonator = parse_json(text, file, "resonator",
+                                          {"name", "description", "string", "bar", "membrane", "plate", "round_plate",
+                                           "modes", "strike", "pickup", "max_modes"});
   Resonator read{
       read_name(resonator, kMemberNames), read_description(resonator), read_body(resonator), {}, {}, kMaxModes};
   if (std::holds_alternative<ModeTable>(read.body)) {

@@ -14,7 +14,7 @@ namespace contactspline {
 /// `file` stands in messages only. Throws BadInput.
 [[nodiscard]] Resonator parse_resonator(std::string_view text, std::string_view file);
 
-/// Reads the body of an object that has one of the keys string, bar, membrane, plate. Throws BadInput.
+/// Reads the body of an object that has one of the keys string, bar, membrane, plate, round_plate. Throws BadInput.
 [[nodiscard]] decltype(Resonator::body) read_shaped_body(const JsonObject& object);
 
 /// Largest position on a body [m]: length or radius; 0 for a table of modes.

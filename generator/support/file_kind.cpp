@@ -18,7 +18,7 @@ constexpr std::array kKinds = {Shipped::kMaterials, Shipped::kResonators, Shippe
 
 // Keys that only files of this kind have. A score may also have the key "keyboard", so scores come first.
 constexpr const char* kOfMaterials[] = {"contact", "impact", "spline"};
-constexpr const char* kOfResonators[] = {"string", "bar",    "membrane", "plate",
+constexpr const char* kOfResonators[] = {"string", "bar",    "membrane", "plate",    "round_plate",
                                          "modes",  "strike", "pickup",   "max_modes"};
 constexpr const char* kOfScores[] = {"instrument", "duration_s", "voices", "events"};
 constexpr const char* kOfInstruments[] = {"bodies",   "places",  "contacts", "springs", "links",

@@ -44,6 +44,16 @@ const std::string kMembrane = R"({
   "pickup": { "position_m": 0.09, "angle_rad": 0.7 },
   "max_modes": 20
 })";
+const std::string kRound = R"({
+  "name": "probe",
+  "round_plate": {
+    "radius_m": 0.15, "thickness_m": 0.0012, "density_kg_m3": 8700, "youngs_modulus_pa": 1.1e11, "poisson_ratio": 0.34,
+    "constant_loss_per_s": 1.4, "quadratic_loss_m2_per_s": 0.0002
+  },
+  "strike": { "position_m": 0.02, "angle_rad": 0 },
+  "pickup": { "position_m": 0.09, "angle_rad": 0.7 },
+  "max_modes": 20
+})";
 const std::string kPlate = R"({
   "name": "probe",
   "plate": {
@@ -66,7 +76,7 @@ const std::string kModes = R"({
   ]
 })";
 
-const Bases kBases = {{"string", kString}, {"bar", kBar},     {"membrane", kMembrane},
+const Bases kBases = {{"string", kString}, {"bar", kBar},     {"membrane", kMembrane}, {"round", kRound},
                       {"plate", kPlate},   {"ribs", kRibbed}, {"modes", kModes}};
 
 std::vector<BadFile> cut_cases() {
@@ -91,7 +101,7 @@ TEST(BadResonator, WhoseModesAreAllOverdampedIsRefused) {
 
 // What the tables above are made of is good itself.
 TEST(GoodResonatorFile, IsAccepted) {
-  for (const std::string& text : {kString, kBar, kMembrane, kPlate, kModes}) {
+  for (const std::string& text : {kString, kBar, kMembrane, kRound, kPlate, kModes}) {
     const Sandbox box;
     write_file(box / "probe.json", text);
     EXPECT_EQ(run({.arguments = {"generate", "probe.json", "-o", "out"}, .folder = box.path()}).exit_code, 0) << text;

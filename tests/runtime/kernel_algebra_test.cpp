@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "contactspline/modal/form_matrix.hpp"
 #include "kernel_targets.hpp"
 #include "strings.hpp"
 #include "support/compare.hpp"
@@ -102,6 +103,38 @@ TYPED_TEST(KernelAlgebra, AdvanceABodyThatStretches) {
         ASSERT_TRUE(within(double(b.free_increment[i]), double(a.free_increment[i]), eps));
         ASSERT_TRUE(within(double(motion[i]), double(plain_motion[i]), eps * double(plain.admittance(i))));
       }
+    }
+  }
+}
+
+// The matrix of a form with products of two modes, beside a sum over its terms: blocks of one to eight rows, columns
+// with gaps, rows without any.
+TYPED_TEST(KernelAlgebra, MultiplyByAForm) {
+  using T = TypeParam;
+  Random random(4);
+  for (const std::int64_t target : targets()) {
+    const OnlyTarget only(target);
+    for (const std::size_t size : {1u, 2u, 7u, 8u, 17u, 56u}) {
+      StretchForm form{1, {}};
+      detail::ModalArray<T> q(size), product(size);
+      std::vector<double> expected(size);
+      for (std::size_t i = 0; i < size; ++i) {
+        q[i] = static_cast<T>(random.between(-1, 1));
+        form.squares_per_m2.push_back(i % 3 == 0 ? 0 : double(static_cast<T>(random.between(-1, 1))));
+        expected[i] += form.squares_per_m2[i] * double(q[i]);
+      }
+      for (std::size_t i = 0; i < size; ++i)
+        for (std::size_t j = 0; j < i; ++j) {
+          if (i / 10 % 2 == j / 10 % 2 && random.between(0, 1) < 0.9) continue;
+          form.products.push_back({j, i, double(static_cast<T>(random.between(-1, 1)))});
+          expected[i] += form.products.back().factor_per_m2 * double(q[j]);
+          expected[j] += form.products.back().factor_per_m2 * double(q[i]);
+        }
+      detail::kernels<T>.multiply_form(detail::FormMatrix<T>(form, size).blocks(), q.data(), product.data());
+      for (std::size_t i = 0; i < size; ++i)
+        EXPECT_TRUE(
+            within(double(product[i]), expected[i], double(std::numeric_limits<T>::epsilon()) * double(size * size)))
+            << size << ' ' << i;
     }
   }
 }

@@ -13,6 +13,7 @@
 #include "generated/dulcimer_g4.hpp"
 #include "generated/felt_c4.hpp"
 #include "generated/fret_guitar.hpp"
+#include "generated/gong.hpp"
 #include "generated/guitar_d3.hpp"
 #include "generated/guitar_g3.hpp"
 #include "generated/lap_steel.hpp"
@@ -88,6 +89,7 @@ void each_instrument_of_a_file(const Visitor& visit) {
   visit.template operator()<instruments::marimba_tube>();
   visit.template operator()<instruments::snare>();
   visit.template operator()<instruments::tom>();
+  visit.template operator()<instruments::gong>();
   visit.template operator()<instruments::violin>();
   visit.template operator()<instruments::cello>();
 }

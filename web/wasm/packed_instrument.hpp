@@ -105,8 +105,8 @@ void take_instrument(Archive& archive, InstrumentData& data) {
            data.plucks, data.sources, data.parameters, data.events, data.outputs, keyed.ranges, keyed.voices,
            keyed.tension_squares, keyed.far_ends, keyed.damped, keyed.damper_per_s, keyed.sustain, keyed.bend,
            data.preset_names, data.preset_values, data.wavenumbers, data.memories, data.memory_ends,
-           data.pressure_rate_hz, data.pressure_paths, data.pressure_taps, data.holds, data.stretch_squares,
-           data.stretch_stiffnesses, data.bows, data.assistance);
+           data.pressure_rate_hz, data.pressure_paths, data.pressure_taps, data.holds, data.stretch_forms,
+           data.stretch_squares, data.stretch_products, data.bows, data.assistance);
   take_texts(archive, data.parameters, &Parameter::name, &Parameter::unit);
   take_texts(archive, data.events, &Event::name);
   take_texts(archive, data.outputs, &Output::name, &Output::unit);

@@ -167,6 +167,13 @@ struct KeyedData {
   std::size_t sustain = kNoParameter, bend = kNoParameter;
 };
 
+/// A form by which a body stretches (StretchForm), with how many products of two modes it has.
+struct InstrumentForm {
+  std::size_t body;
+  double stiffness_j;
+  std::size_t products;
+};
+
 /// What an instrument is made of, as views of arrays that must outlive the instrument. body_ends[b]: number of modes
 /// of the bodies 0 to b. place_bodies: the body of each place. shapes: one place after the other; a place has one
 /// shape for each mode of its body. table_ends[t]: number of segments of the tables 0 to t. strikes: for each strike
@@ -176,9 +183,9 @@ struct KeyedData {
 /// preset_values: for each preset a value for each parameter. wavenumbers: of the modes, 0 where the body is no
 /// string [rad/m]; empty where no place moves. memory_ends[t]: number of memories of the tables 0 to t; empty if no
 /// contact has a memory. pressure_rate_hz: sample rate of pressure_taps. holds: empty where nothing is loaded at
-/// rest, with the gaps as they are there. stretch_squares: of the modes [1/m^2]; empty where no body stretches.
-/// stretch_stiffnesses: of the bodies [J], 0 where one does not stretch (StretchForm); they stretch from where they
-/// rest. assistance: the parameter of the bows whose limits are known. license: SPDX identifier.
+/// rest, with the gaps as they are there. stretch_forms: how bodies stretch from where they rest, by rising body;
+/// stretch_squares: for each form the squares of all modes of its body; stretch_products: of each form. assistance:
+/// the parameter of the bows whose limits are known. license: SPDX identifier.
 struct InstrumentData {
   const char *name, *description, *license;
   std::span<const double> angular_frequencies, decays, masses;
@@ -205,7 +212,9 @@ struct InstrumentData {
   std::span<const PressurePath> pressure_paths = {};
   std::span<const double> pressure_taps = {};
   std::span<const HoldingForce> holds = {};
-  std::span<const double> stretch_squares = {}, stretch_stiffnesses = {};
+  std::span<const InstrumentForm> stretch_forms = {};
+  std::span<const double> stretch_squares = {};
+  std::span<const StretchForm::Product> stretch_products = {};
   std::span<const InstrumentBow> bows = {};
   std::size_t assistance = kNoParameter;
 
@@ -216,11 +225,18 @@ struct InstrumentData {
   [[nodiscard]] std::span<const double> part_of(std::span<const double> numbers, std::size_t body) const {
     return numbers.subspan(body_ends[body] - modes_of(body), modes_of(body));
   }
-  /// How a body stretches: one form, or none.
+  /// How a body stretches.
   [[nodiscard]] std::vector<StretchForm> forms_of(std::size_t body) const {
-    if (stretch_squares.empty() || stretch_stiffnesses[body] == 0) return {};
-    const auto squares = part_of(stretch_squares, body);
-    return {{stretch_stiffnesses[body], {squares.begin(), squares.end()}}};
+    std::vector<StretchForm> forms;
+    const double* square = stretch_squares.data();
+    const StretchForm::Product* product = stretch_products.data();
+    for (const InstrumentForm& form : stretch_forms) {
+      const double* const squares_end = square + modes_of(form.body);
+      const StretchForm::Product* const products_end = product + form.products;
+      if (form.body == body) forms.push_back({form.stiffness_j, {square, squares_end}, {product, products_end}});
+      square = squares_end, product = products_end;
+    }
+    return forms;
   }
   [[nodiscard]] std::span<const double> shapes_of(std::size_t place) const {
     std::size_t begin = 0;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "contactspline/data/stretch_form.hpp"
+#include "contactspline/modal/form_matrix.hpp"
 #include "contactspline/modal/mode.hpp"
 #include "contactspline/simd/kernels.hpp"
 
@@ -24,24 +25,20 @@ class StretchingForm {
   StretchingForm(const StretchForm& form, std::size_t modes)
       : stiffness_(form.stiffness_j), squares_(modes), gradient_(modes), motion_(modes) {
     for (std::size_t i = 0; i < form.squares_per_m2.size(); ++i) squares_[i] = static_cast<T>(form.squares_per_m2[i]);
-    for (const auto& [first, second, factor] : form.products)
-      products_.push_back({first, second, static_cast<T>(factor)});
+    if (!form.products.empty()) matrix_ = FormMatrix<T>(form, modes);
   }
 
   /// Computes the gradient g = A q [1/m] and motion().
   void take(const ModalArrays<T>& modes) {
-    multiply_squares(modes.modes, squares_.data(), modes.displacement, modes.admittance, gradient_.data(),
-                     motion_.data());
-    if (products_.empty()) return;
-    for (const auto& [first, second, factor] : products_) {
-      gradient_[first] += factor * modes.displacement[second];
-      gradient_[second] += factor * modes.displacement[first];
-    }
-    for (std::size_t i = 0; i < modes.modes; ++i) motion_[i] = modes.admittance[i] * gradient_[i];
+    if (!has_products())
+      return multiply_squares(modes.modes, squares_.data(), modes.displacement, modes.admittance, gradient_.data(),
+                              motion_.data());
+    kernels<T>.multiply_form(matrix_.blocks(), modes.displacement, gradient_.data());
+    multiply(modes.modes, gradient_.data(), modes.admittance, motion_.data());
   }
 
   [[nodiscard]] double stiffness() const { return stiffness_; }  ///< [J]
-  [[nodiscard]] bool has_products() const { return !products_.empty(); }
+  [[nodiscard]] bool has_products() const { return !matrix_.empty(); }
   /// The gradient, after take().
   [[nodiscard]] const ModalArray<T>& gradient() const { return gradient_; }
   /// Admittance times gradient: the motion of each mode by a unit of the form's force.
@@ -55,20 +52,22 @@ class StretchingForm {
   /// q'A p, in double precision.
   [[nodiscard]] double stretch_of(auto q, auto p) const {
     double sum = 0;
-    for (std::size_t i = 0; i < squares_.size(); ++i) sum += double(squares_[i]) * q(i) * p(i);
-    for (const auto& [i, j, factor] : products_) sum += double(factor) * (q(i) * p(j) + q(j) * p(i));
+    if (has_products())
+      matrix_.for_each([&](std::size_t i, std::size_t j, T factor) { sum += double(factor) * q(i) * p(j); });
+    else
+      for (std::size_t i = 0; i < squares_.size(); ++i) sum += double(squares_[i]) * q(i) * p(i);
     return sum;
   }
 
  private:
-  struct Product {
-    std::size_t first, second;
-    T factor;
-  };
+  // A separate function, because compilers respect __restrict on parameters.
+  static void multiply(std::size_t modes, const T* __restrict a, const T* __restrict b, T* __restrict product) {
+    for (std::size_t i = 0; i < modes; ++i) product[i] = a[i] * b[i];
+  }
 
   double stiffness_;
   ModalArray<T> squares_, gradient_, motion_;
-  std::vector<Product> products_;
+  FormMatrix<T> matrix_;  // with the squares; of a form with products only
 };
 
 /// The forms of a body. Over the two samples from q- by q to q+, form k of stiffness c_k acts by

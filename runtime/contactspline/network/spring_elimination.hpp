@@ -52,6 +52,7 @@ class SpringElimination {
         free_(connections),
         force_(connections) {
     springs_.reserve(connections);
+    is_eliminated_.reserve(connections);
     eliminated_.reserve(connections);
     ends_.reserve(connections);
   }
@@ -161,9 +162,12 @@ class SpringElimination {
       exact_root_[s] = std::sqrt(double(slope_[s]));
     }
     factorise_springs(admittance);
+    is_eliminated_.assign(range_.size(), false);
+    for (const std::size_t s : springs_) is_eliminated_[s] = true;
     for (std::size_t i = 0; i < range_.size(); ++i) {
       eliminate_from(i, admittance);
-      for (std::size_t j = 0; j <= i; ++j) admittance_(i, j) = admittance_(j, i) = beside_springs(i, j, admittance);
+      for (std::size_t j = 0; j <= i && !is_eliminated_[i]; ++j)
+        if (!is_eliminated_[j]) admittance_(i, j) = admittance_(j, i) = beside_springs(i, j, admittance);
     }
   }
 
@@ -185,12 +189,12 @@ class SpringElimination {
       }
   }
 
-  // Row i of W, and the springs that move connection i.
+  // Row i of W, which is that of no spring, and the springs that move connection i.
   void eliminate_from(std::size_t i, const ColumnMatrix<double>& admittance) {
     const std::size_t m = springs_.size();
     double* w = exact_rows_.column(i);
     for (std::size_t s = 0; s < m; ++s) w[s] = exact_root_[s] * admittance(springs_[s], i);
-    solve_forwards(exact_factor_, ends_, w);
+    if (!is_eliminated_[i]) solve_forwards(exact_factor_, ends_, w);
     for (std::size_t s = 0; s < m; ++s) rows_(s, i) = static_cast<T>(w[s]);
     Range& range = range_[i] = {0, m};
     const auto is_apart = [&](std::size_t s) { return w[s] == 0 && admittance(springs_[s], i) == 0; };
@@ -212,6 +216,7 @@ class SpringElimination {
   }
 
   IndexList springs_, eliminated_;                  // of this sample; for which the constants below were computed
+  std::vector<char> is_eliminated_;                 // of all connections: is it one of these?
   std::vector<Range> range_;                        // springs that move a connection
   std::vector<std::size_t> ends_;                   // rows of the factor from which on each column is 0
   ColumnMatrix<double> exact_factor_, exact_rows_;  // L and W

@@ -36,6 +36,29 @@ struct SquareForm {
   T moved_by;   ///< by how much of the motion the form changes the displacements in a sample
 };
 
+/// Largest number of rows of a FormRows.
+inline constexpr std::size_t kRowsTogether = 8;
+
+/// Rows of a sparse matrix, one after the other, that have numbers in the same columns.
+struct FormRows {
+  std::size_t first, count;  ///< at most kRowsTogether
+  std::size_t runs;          ///< of columns
+};
+
+/// Columns, one after the other.
+struct FormColumns {
+  std::size_t first, count;
+};
+
+/// The matrix of a form of a body that stretches (StretchForm), rows after rows. For each of their columns there are
+/// kRowsTogether factors, 0 beyond the rows.
+template <std::floating_point T>
+struct FormBlocks {
+  std::span<const FormRows> rows;
+  const FormColumns* runs;
+  const T* factors;
+};
+
 /// Strings that end at a bridge.
 template <std::floating_point T>
 struct StringsOnBridge {

@@ -40,7 +40,8 @@ Kernels<Sample> kernels_here() {
           .solve_positive_definite = solve_positive_definite_here,
           .sum_free_increments = sum_free_increments_here,
           .advance_under_forces = advance_under_forces_here,
-          .advance_stretching = advance_stretching_here};
+          .advance_stretching = advance_stretching_here,
+          .multiply_form = multiply_form_here};
 }
 
 }  // namespace

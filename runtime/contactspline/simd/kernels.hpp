@@ -69,6 +69,9 @@ struct Kernels {
   /// free increment, change and motion.
   void (*advance_stretching)(const ModalArrays<T>& modes, const SquareForm<T>& form, T* sums);
 
+  /// product = matrix q, of the modes of a form that has products of two modes.
+  void (*multiply_form)(const FormBlocks<T>& matrix, const T* q, T* product);
+
   /// Are these the kernels of ContactSpline::simd?
   [[nodiscard]] bool are_vectorised() const { return process_struck != nullptr; }
 };
@@ -79,7 +82,8 @@ template <std::floating_point T>
 inline constexpr Kernels<T> kPortableKernels = {.advance_on_bridge = portable::advance_on_bridge<T>,
                                                 .sum_shifted_products = portable::sum_shifted_products<T>,
                                                 .solve_positive_definite = portable::solve_positive_definite<T>,
-                                                .advance_stretching = portable::advance_stretching<T>};
+                                                .advance_stretching = portable::advance_stretching<T>,
+                                                .multiply_form = portable::multiply_form<T>};
 
 /// The kernels of this program or shared library, whichever of its files calls them. They change before main()
 /// begins, or never.

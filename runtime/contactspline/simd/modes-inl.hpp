@@ -226,6 +226,26 @@ HWY_INLINE void advance_stretching_here(const ModalArrays<Sample>& arrays, const
   sums[3] = hn::GetLane(hn::SumOfLanes(tag, by_motion));
 }
 
+/// Vectors that hold kRowsTogether rows or fewer: one, two or four of them.
+HWY_INLINE void multiply_form_here(const FormBlocks<Sample>& matrix, const Sample* q, Sample* product) {
+  const hn::CappedTag<Sample, kRowsTogether> tag;
+  constexpr std::size_t kLanes = hn::MaxLanes(tag), kVectors = kRowsTogether / kLanes;
+  using Sums = hn::Vec<decltype(tag)>;
+  const FormColumns* run = matrix.runs;
+  const Sample* factor = matrix.factors;
+  for (const FormRows& rows : matrix.rows) {
+    Sums sums[kVectors];
+    for (Sums& sum : sums) sum = hn::Zero(tag);
+    for (const FormColumns* const end = run + rows.runs; run != end; ++run)
+      for (std::size_t j = run->first; j < run->first + run->count; ++j, factor += kRowsTogether)
+        for (std::size_t v = 0; v < kVectors; ++v)
+          sums[v] = hn::MulAdd(hn::Load(tag, factor + v * kLanes), hn::Set(tag, q[j]), sums[v]);
+    HWY_ALIGN Sample stored[kRowsTogether];
+    for (std::size_t v = 0; v < kVectors; ++v) hn::Store(sums[v], tag, stored + v * kLanes);
+    for (std::size_t r = 0; r < rows.count; ++r) product[rows.first + r] = stored[r];
+  }
+}
+
 /// A vector of a column, 0 in the lanes up to that of the diagonal.
 template <typename T>
 HWY_INLINE Vector<T> below_diagonal(std::size_t diagonal, const T* column) {

@@ -259,6 +259,20 @@ T advance_under_forces(const ModalArrays<T>& modes, T damping_gain, std::span<co
   return sum_free_increments<T>(modes.modes, modes.free_increment, at, increments);
 }
 
+/// product = matrix q.
+template <std::floating_point T>
+void multiply_form(const FormBlocks<T>& matrix, const T* __restrict q, T* __restrict product) {
+  const FormColumns* run = matrix.runs;
+  const T* __restrict factor = matrix.factors;
+  for (const FormRows& rows : matrix.rows) {
+    T sums[kRowsTogether] = {};
+    for (const FormColumns* const end = run + rows.runs; run != end; ++run)
+      for (std::size_t j = run->first; j < run->first + run->count; ++j, factor += kRowsTogether)
+        for (std::size_t r = 0; r < kRowsTogether; ++r) sums[r] += factor[r] * q[j];
+    for (std::size_t r = 0; r < rows.count; ++r) product[rows.first + r] = sums[r];
+  }
+}
+
 template <std::floating_point T>
 void advance_stretching(const ModalArrays<T>& modes, const SquareForm<T>& form, T* sums) {
   commit_over_two_samples(modes.modes, modes.stiffness, modes.stiffness_rest, modes.loss, form.motion, form.moved_by,
