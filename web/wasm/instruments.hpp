@@ -16,6 +16,7 @@
 #include "generated/gong.hpp"
 #include "generated/guitar_d3.hpp"
 #include "generated/guitar_g3.hpp"
+#include "generated/kit.hpp"
 #include "generated/lap_steel.hpp"
 #include "generated/marimba_tube.hpp"
 #include "generated/piano.hpp"
@@ -90,6 +91,7 @@ void each_instrument_of_a_file(const Visitor& visit) {
   visit.template operator()<instruments::snare>();
   visit.template operator()<instruments::tom>();
   visit.template operator()<instruments::gong>();
+  visit.template operator()<instruments::kit>();
   visit.template operator()<instruments::violin>();
   visit.template operator()<instruments::cello>();
 }
