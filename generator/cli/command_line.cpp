@@ -435,9 +435,11 @@ std::shared_ptr<ScoreOptions> add_score_options(CLI::App& command, std::optional
         ->allow_extra_args(false);
   if (!model || model == Model::kFile)
     command
-        .add_option("--instrument", options->instrument,
+        .add_option("--instrument", options->instruments,
                     "what plays a MIDI file (default: the piano): a keyboard or an instrument\n"
-                    "with keys, or a model of your own (.so), which plays scores, too")
+                    "with keys, or a model of your own (.so), which plays scores, too;\n"
+                    "or several by channel: 1=piano,2=cello,10=kit, *=piano for the others")
+        ->allow_extra_args(false)
         ->check(not_empty("an instrument"))
         ->type_name("FILE");
   add_number(command, "--tail", options->tail_s,
@@ -469,6 +471,7 @@ void add_render(CLI::App& app) {
       "Examples:\n  contactspline render fur_elise\n  contactspline render my_song.mid -o song.flac\n"
       "  contactspline render first.mid second.mid --bits 16\n"
       "  contactspline render my_song.mid --instrument my_zither.json -o zither.wav\n"
+      "  contactspline render my_song.mid --instrument 1=piano,2=cello,10=kit\n"
       "The scores that ship: contactspline list scores");
   command->callback([command, options] {
     if (!command->get_subcommands().empty()) return;

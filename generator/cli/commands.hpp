@@ -121,12 +121,12 @@ struct ScoreOptions {
   std::string score;
   std::string signal;  ///< an output or "body"; empty: what sounds best
   std::string precision = "double";
-  std::string stems;             ///< folder for the sound of each voice, or empty
-  std::vector<int> channels;     ///< of a MIDI file, 1 to 16; empty: all but the tenth
-  std::string instrument;        ///< that plays a MIDI file: one that ships or its file; empty: the piano
-  std::string tuning, keymap;    ///< files of Scala, .scl and .kbm, or empty
-  std::optional<double> tail_s;  ///< how long it sounds behind the last note; empty: until it has rung out
-  std::optional<double> a4_hz;   ///< empty: what the key map or the instrument says
+  std::string stems;                     ///< folder for the sound of each voice, or empty
+  std::vector<int> channels;             ///< of a MIDI file, 1 to 16; empty: all but the tenth
+  std::vector<std::string> instruments;  ///< that play a MIDI file, as parts_argument() reads them; empty: the piano
+  std::string tuning, keymap;            ///< files of Scala, .scl and .kbm, or empty
+  std::optional<double> tail_s;          ///< how long it sounds behind the last note; empty: until it has rung out
+  std::optional<double> a4_hz;           ///< empty: what the key map or the instrument says
   RenderOutput output;
 };
 /// Reads all scores, then plays each. model: what they must be for; empty: any.

@@ -205,8 +205,7 @@ Source file_source(const std::string& file, double max_frequency_hz) {
 // What may stand in place of something that is no score.
 std::string score_for(const std::string& argument, Shipped kind) {
   if (kind != Shipped::kInstruments) return "a score";
-  return fmt::format("a score with \"instrument\": \"{0}\", or, if it has keys, a MIDI file with --instrument {0}",
-                     shown(argument));
+  return fmt::format("a score with \"instrument\": \"{0}\", or a MIDI file with --instrument {0}", shown(argument));
 }
 
 // The text of a file, which may not be of another kind. `kinds`: what a message says is allowed.
@@ -258,13 +257,9 @@ ScoreSource midi_on_keyboard(const std::string& argument, const std::vector<int>
   return source;
 }
 
-// What ships and plays MIDI: instruments with keys, and keyboards.
+// What ships and plays MIDI.
 std::vector<std::string> players_that_ship() {
   std::vector<std::string> names = shipped_names(Shipped::kInstruments);
-  std::erase_if(names, [](const std::string& name) {
-    return std::ranges::count(json_keys(shipped(Shipped::kInstruments, name)->content, name, "instrument"), "keys") ==
-           0;
-  });
   std::ranges::copy(shipped_names(Shipped::kKeyboards), std::back_inserter(names));
   return names;
 }
@@ -275,7 +270,7 @@ std::vector<std::string> players_that_ship() {
   refuse("--instrument", shown(instrument),
          kind ? fmt::format("is a {}", kind_name(*kind)) : "is no instrument and no keyboard",
          fmt::format("{}, a model of your own (.so), {}",
-                     files_for(instrument, "a .json file of an instrument with bodies and keys, or of a keyboard"),
+                     files_for(instrument, "a .json file of an instrument or a keyboard"),
                      names_in_short(players_that_ship(), instrument, "contactspline list instruments")));
 }
 
@@ -390,6 +385,11 @@ ScoreSource score_argument(const std::string& argument, const std::vector<int>& 
                      ? parse_midi_score(text_of(argument), argument, channels, shipped_piano(), shipped_file, tuning)
                      : parse_score(read_kind(argument, Shipped::kScores, "score"), argument, read, nullptr, tuning);
   return source;
+}
+
+std::optional<std::string> midi_bytes(const std::string& argument) {
+  if (const auto* midi = find_embedded(Shipped::kScores, argument + ".mid")) return std::string(midi->content);
+  return is_midi(argument) ? std::optional(text_of(argument)) : std::nullopt;
 }
 
 Tuning tuning_argument(const std::string& scale, const std::string& keymap, std::optional<double> a4_hz) {

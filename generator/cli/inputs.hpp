@@ -73,6 +73,9 @@ struct ScoreSource {
 [[nodiscard]] ScoreSource score_argument(const std::string& argument, const std::vector<int>& channels = {},
                                          const std::string& instrument = {}, const Tuning& tuning = {});
 
+/// The bytes of a SCORE that is a MIDI file; nothing for another one. Throws BadInput.
+[[nodiscard]] std::optional<std::string> midi_bytes(const std::string& argument);
+
 /// The tuning of files of Scala, each empty or a path, and of a pitch of A4. Throws BadInput.
 [[nodiscard]] Tuning tuning_argument(const std::string& scale, const std::string& keymap,
                                      std::optional<double> a4_hz);

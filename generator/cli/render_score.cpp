@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <optional>
 #include <set>
 #include <string>
@@ -18,6 +19,7 @@
 #include "generator/cli/file_ending.hpp"
 #include "generator/cli/files.hpp"
 #include "generator/cli/inputs.hpp"
+#include "generator/cli/parts.hpp"
 #include "generator/cli/render_output.hpp"
 #include "generator/cli/sound_file.hpp"
 #include "generator/player/score_player.hpp"
@@ -88,9 +90,7 @@ void choose_output(const ScoreOptions& options, const Score& score, PlayOptions&
 PlayOptions play_options(const ScoreOptions& options, const Score& score) {
   PlayOptions how{static_cast<double>(options.output.sample_rate_hz)};
   how.oversampling = options.output.oversampling.value_or(1);
-  how.precision = options.precision == "single" ? Precision::kSingle : Precision::kDouble;
-  if (const ModelModule* module = module_of(score))  // it computes in one precision only
-    how.precision = module->make_single != nullptr ? Precision::kSingle : Precision::kDouble;
+  how.precision = precision_of(score, options.precision == "single" ? Precision::kSingle : Precision::kDouble);
   choose_output(options, score, how);
   return how;
 }
@@ -116,6 +116,13 @@ SoundLabel sound_label(const PlayOptions& how, const Score& score) {
   return {label_of(output.name).text, output.unit};
 }
 
+/// A part that can be played.
+struct PlayedPart {
+  std::string name;  ///< of the instrument, of several parts
+  Score score;
+  PlayOptions how;
+};
+
 // What plays a score: an instrument or a keyboard by its name, or a model.
 std::string player_of(const Score& score) {
   if (score.model == Model::kFile) return score.voices.front().model->name;
@@ -123,9 +130,11 @@ std::string player_of(const Score& score) {
 }
 
 // The description of a score, or its name and what plays it.
-std::string title_of(const ScoreOptions& options, const Score& score) {
-  if (!score.description.empty()) return score.description;
-  return fmt::format("{} ({})", std::filesystem::path(options.score).stem().string(), player_of(score));
+std::string title_of(const ScoreOptions& options, const std::vector<PlayedPart>& parts) {
+  if (!parts[0].score.description.empty()) return parts[0].score.description;
+  std::vector<std::string> players;
+  for (const PlayedPart& part : parts) players.push_back(player_of(part.score));
+  return fmt::format("{} ({})", std::filesystem::path(options.score).stem().string(), fmt::join(players, ", "));
 }
 
 // How many contacts of an instrument file the recorded force adds up; of other models 1.
@@ -138,7 +147,9 @@ std::size_t summed_contacts(const Score& score) {
 }
 
 // The recorded force is the largest of all voices, and in an instrument file the sum of all contacts.
-std::string force_label(const Score& score) {
+std::string force_label(const std::vector<PlayedPart>& parts) {
+  if (parts.size() > 1) return fmt::format("contact force [N],\\nlargest of {} instruments", parts.size());
+  const Score& score = parts[0].score;
   const std::size_t contacts = summed_contacts(score), voices = score.voices.size();
   const std::string whose = voices > 1     ? fmt::format("largest {}of {} voices", contacts > 1 ? "sum " : "", voices)
                             : contacts > 1 ? fmt::format("sum of {} contacts", contacts)
@@ -146,18 +157,30 @@ std::string force_label(const Score& score) {
   return "contact force [N]" + (whose.empty() ? "" : ",\\n" + whose);
 }
 
-// A file in the folder of the stems for each voice, in the format of the sound.
-std::vector<std::filesystem::path> stem_files(const ScoreOptions& options, const Score& score) {
-  std::vector<std::filesystem::path> files;
-  if (options.stems.empty()) return files;
-  for (const Voice& voice : score.voices) {
+/// A file of the stems, and what it is the sound of.
+struct Stem {
+  std::filesystem::path file;
+  std::size_t part;
+  std::optional<std::size_t> voice = {};  ///< none: all
+};
+
+// A file in the folder of the stems for each part, or of one part for each voice, in the format of the sound.
+std::vector<Stem> stems_of(const ScoreOptions& options, const std::vector<PlayedPart>& parts) {
+  std::vector<Stem> stems;
+  if (options.stems.empty()) return stems;
+  const auto file_of = [&](const std::string& name) {
+    return std::filesystem::path(options.stems) / (name + file_ending(options.output.sound));
+  };
+  for (std::size_t p = 0; parts.size() > 1 && p < parts.size(); ++p) stems.push_back({file_of(parts[p].name), p});
+  if (parts.size() > 1) return stems;
+  for (const Voice& voice : parts[0].score.voices) {
     const auto is_refused = [](unsigned char c) { return c == '/' || c < 0x20 || c == 0x7f; };
     if (std::ranges::any_of(voice.name, is_refused))
       refuse(options.score, "--stems", fmt::format("the name of voice '{}' cannot name a file", shown(voice.name)),
              "names without / and control characters");
-    files.push_back(std::filesystem::path(options.stems) / (voice.name + file_ending(options.output.sound)));
+    stems.push_back({file_of(voice.name), 0, stems.size()});
   }
-  return files;
+  return stems;
 }
 
 // The end of every sound. With a gain the samples are a measurement, and keep what is too low to be heard.
@@ -166,20 +189,28 @@ void finish(Performance& performance, const RenderOutput& output) {
   fade_end(performance.samples, performance.channels, performance.sample_rate_hz);
 }
 
-// Each voice is played again: the stems of a long score need not fit into memory together.
-std::string write_stems(const std::vector<std::filesystem::path>& files, const ScoreOptions& options,
-                        const Score& score, PlayOptions how, double scale) {
-  if (files.empty()) return {};
-  for (std::size_t voice = 0; voice < files.size(); ++voice) {
+// Of several parts each is at its full scale, of one the sound has its unit.
+double scale_in(const std::vector<PlayedPart>& parts, const PlayedPart& part) {
+  return parts.size() > 1 ? full_scale_of(part.score, part.how) : 1;
+}
+
+// Each stem is played again: those of a long score need not fit into memory together.
+std::string write_stems(const std::vector<Stem>& stems, const ScoreOptions& options,
+                        const std::vector<PlayedPart>& parts, double scale) {
+  if (stems.empty()) return {};
+  for (const auto& [file, number, voice] : stems) {
+    const PlayedPart& part = parts[number];
+    PlayOptions how = part.how;
     how.only_voice = voice;
-    Performance stem = play(score, how, show_progress);
+    Performance stem = play(part.score, how, show_progress);
     finish(stem, options.output);
-    const std::string file = files[voice].string();
-    if (options.output.bits != kFloatBits) report_clipping(file, stem.samples, scale);
-    write_files({{OutputFile{file, sound_bytes(file, std::span<const float>(stem.samples), scale, stem.channels,
-                                               options.output.sample_rate_hz, options.output.bits)}}});
+    const double of_part = scale / scale_in(parts, part);
+    if (options.output.bits != kFloatBits) report_clipping(file.string(), stem.samples, of_part);
+    write_files({{OutputFile{file.string(),
+                             sound_bytes(file.string(), std::span<const float>(stem.samples), of_part, stem.channels,
+                                         options.output.sample_rate_hz, options.output.bits)}}});
   }
-  return fmt::format("stems:  {} in {}\n", files.size(), options.stems);
+  return fmt::format("stems:  {} in {}\n", stems.size(), options.stems);
 }
 
 // A sound without any sound is an error of the score, most likely.
@@ -193,41 +224,58 @@ void report_silence(const std::string& score, const Performance& performance) {
 /// A score that can be played and written.
 struct Prepared {
   ScoreOptions options;
-  Score score;
-  PlayOptions how;
-  std::vector<std::filesystem::path> stems;
+  std::vector<PlayedPart> parts = {};
+  std::vector<Stem> stems = {};
+  std::vector<std::string> remarks = {};
 };
 
-// How long it sounds: as long as it is told to, or until it has rung out.
-void set_length(Prepared& prepared) {
-  auto& [options, score, how, stems] = prepared;
+// How long a part sounds: as long as it is told to, or until it has rung out.
+void set_length(const ScoreOptions& options, PlayedPart& part) {
   const int rate_hz = options.output.model_rate_hz();
-  if (options.tail_s) score.duration_s += *options.tail_s - score.ring_s;
-  require_short(options.score + ": duration_s", score.duration_s, rate_hz);
-  if (!options.tail_s && score.ring_s > 0)
-    how.max_ring_s = std::min(kLongestRing_s, longest_sound_s(rate_hz) - score.duration_s);
+  if (options.tail_s) part.score.duration_s += *options.tail_s - part.score.ring_s;
+  require_short(options.score + ": duration_s", part.score.duration_s, rate_hz);
+  if (!options.tail_s && part.score.ring_s > 0)
+    part.how.max_ring_s = std::min(kLongestRing_s, longest_sound_s(rate_hz) - part.score.duration_s);
 }
 
-Prepared prepare(std::optional<Model> model, const ScoreOptions& given) {
-  const Tuning tuning = tuning_argument(given.tuning, given.keymap, given.a4_hz);
-  ScoreSource source = score_argument(given.score, given.channels, given.instrument, tuning);
-  Prepared prepared{given, std::move(source.score), {0}, {}};
-  auto& [options, score, how, stems] = prepared;
-  if (options.output.sound.empty()) options.output.sound = default_sound(given.score);
-  if (!options.output.level_db) options.output.level_db = score.level_db;
-  if (!options.output.oversampling) options.output.oversampling = score.oversampling;
+void require_model(const ScoreOptions& options, const Score& score, std::optional<Model> model) {
   if (model && score.model != *model)
     refuse(options.score, "instrument",
            score.model == Model::kFile ? "the score is for an instrument file"
                                        : fmt::format("the score is for a {}", name_of(score.model)),
            fmt::format("render {}", name_of(score.model)));
-  require_short(options.score + ": duration_s", score.duration_s, options.output.model_rate_hz());
-  stems = stem_files(options, score);
+}
+
+Prepared prepare(std::optional<Model> model, const ScoreOptions& given) {
+  const Tuning tuning = tuning_argument(given.tuning, given.keymap, given.a4_hz);
+  PartSources sources = read_parts(given.score, parts_argument(given.instruments, given.channels), tuning);
+  if (sources.list.size() > 1 && !given.signal.empty())
+    throw BadInput("--signal: is for one instrument; allowed: --instrument with one name");
+  Prepared prepared{given};
+  auto& [options, parts, stems, remarks] = prepared;
+  remarks = std::move(sources.remarks);
+  std::vector<std::filesystem::path> files;
+  int channels = 1;
+  if (options.output.sound.empty()) options.output.sound = default_sound(given.score);
+  for (auto& [name, source] : sources.list) {
+    PlayedPart& part = parts.emplace_back(PlayedPart{std::move(name), std::move(source.score), {0}});
+    if (!options.output.level_db) options.output.level_db = part.score.level_db;
+    if (!options.output.oversampling) options.output.oversampling = part.score.oversampling;
+    require_model(options, part.score, model);
+    require_short(options.score + ": duration_s", part.score.duration_s, options.output.model_rate_hz());
+    channels = std::max(channels, channels_of(part.score));
+    std::ranges::move(source.files, std::back_inserter(files));
+  }
+  stems = stems_of(options, parts);
+  std::vector<std::filesystem::path> stem_files;
+  for (const Stem& stem : stems) stem_files.push_back(stem.file);
   for (const std::string& file : {given.tuning, given.keymap})
-    if (!file.empty()) source.files.emplace_back(file);
-  require_outputs(options.output, channels_of(score), source.files, stems);
-  how = play_options(options, score);
-  set_length(prepared);
+    if (!file.empty()) files.emplace_back(file);
+  require_outputs(options.output, channels, files, stem_files);
+  for (PlayedPart& part : parts) {
+    part.how = play_options(options, part.score);
+    set_length(options, part);
+  }
   return prepared;
 }
 
@@ -238,37 +286,86 @@ std::string short_contact_line(const Performance& performance, const PlayOptions
   return text.empty() ? text : "a contact, on average, " + text + "\n";
 }
 
-void render(Prepared& prepared) {
-  auto& [options, score, how, stems] = prepared;
-  if (!score.left_out.empty()) std::fputs(fmt::format("contactspline: {}\n", score.left_out).c_str(), stderr);
-  if (!how.is_on_body && !score.left_out_at_rest.empty())
-    std::fputs(fmt::format("contactspline: {}: left out, because only the keys on their body have them: {}\n",
-                           options.score, score.left_out_at_rest)
+// Says what of a part is not played, and of what cannot be heard.
+void report_left_out(const ScoreOptions& options, const PlayedPart& part) {
+  const std::string whose = part.name.empty() ? "" : part.name + ": ";
+  if (!part.score.left_out.empty())
+    std::fputs(fmt::format("contactspline: {}{}\n", whose, part.score.left_out).c_str(), stderr);
+  if (!part.how.is_on_body && !part.score.left_out_at_rest.empty())
+    std::fputs(fmt::format("contactspline: {}{}: left out, because only the keys on their body have them: {}\n",
+                           whose, options.score, part.score.left_out_at_rest)
                    .c_str(),
                stderr);
-  Performance performance = play(score, how, show_progress);
-  how.max_ring_s = 0;  // the stems have the same length
-  score.duration_s = static_cast<double>(performance.samples.size()) / performance.channels / how.sample_rate_hz;
-  report_silence(options.score, performance);
+}
+
+// The sound of a part as it is written, without its scale. Its stems have the same length.
+Performance play_part(const ScoreOptions& options, PlayedPart& part, const Progress& progress) {
+  report_left_out(options, part);
+  Performance performance = play(part.score, part.how, progress);
+  part.how.max_ring_s = 0;
+  part.score.duration_s =
+      static_cast<double>(performance.samples.size()) / performance.channels / part.how.sample_rate_hz;
+  report_silence(part.name.empty() ? options.score : options.score + ": " + part.name, performance);
   finish(performance, options.output);
+  return performance;
+}
+
+// The only part, or the sum of all of them, each at its full scale.
+Performance play_parts(const ScoreOptions& options, std::vector<PlayedPart>& parts) {
+  if (parts.size() == 1) return play_part(options, parts[0], show_progress);
+  Performance sum{static_cast<double>(options.output.sample_rate_hz), 1, {}, {}, 0, 0};
+  for (const PlayedPart& part : parts) sum.channels = std::max(sum.channels, channels_of(part.score));
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    add_part(sum,
+             play_part(options, parts[p],
+                       [&](double done) {
+                         show_progress((static_cast<double>(p) + done) / static_cast<double>(parts.size()));
+                       }),
+             scale_in(parts, parts[p]));
+  return sum;
+}
+
+SoundLabel sound_label(const std::vector<PlayedPart>& parts) {
+  if (parts.size() == 1) return sound_label(parts[0].how, parts[0].score);
+  return {"sum of instruments", "1"};
+}
+
+// What the sound file is scaled by: for each part, what it plays as 1.
+std::string scale_line(const std::vector<PlayedPart>& parts, double scale) {
+  std::vector<std::string> words;
+  for (const PlayedPart& part : parts) {
+    const SoundLabel label = sound_label(part.how, part.score);
+    words.push_back(fmt::format("{:.4g} {} ({}{}{})", scale_in(parts, part) / scale, label.unit, part.name,
+                                part.name.empty() ? "" : ": ", label.trace));
+  }
+  return fmt::format("full scale of the sound: {}\n", fmt::join(words, ", "));
+}
+
+std::string contact_lines(const std::vector<PlayedPart>& parts, const Performance& performance) {
+  if (std::ranges::all_of(parts, [](const PlayedPart& part) { return summed_contacts(part.score) == 0; })) return {};
+  return fmt::format(
+      "{} contacts in {:.4g} s, largest contact force {:.4g} N\n{}", performance.contacts,
+      static_cast<double>(performance.samples.size()) / performance.channels / performance.sample_rate_hz,
+      performance.largest_force_n, short_contact_line(performance, parts[0].how));
+}
+
+void render(Prepared& prepared) {
+  auto& [options, parts, stems, remarks] = prepared;
+  for (const std::string& remark : remarks) std::fputs(fmt::format("contactspline: {}\n", remark).c_str(), stderr);
+  const Performance performance = play_parts(options, parts);
   const double scale = scale_of(options.output, performance.samples);
-  const SoundLabel sound = sound_label(how, score);
+  const SoundLabel sound = sound_label(parts);
   const PerformanceText text{
-      title_of(options, score),
+      title_of(options, parts),
       fmt::format("{} [{}]{}", sound.trace, sound.unit, performance.channels > 1 ? ",\\nmean of both channels" : ""),
-      force_label(score)};
+      force_label(parts)};
   const std::string written =
       write_outputs(options.output,
                     sound_bytes(options.output.sound, std::span<const float>(performance.samples), scale,
                                 performance.channels, options.output.sample_rate_hz, options.output.bits),
                     [&](FigureFormat format) { return figure_of(performance, text, format); });
-  const std::string contacts =
-      summed_contacts(score) == 0
-          ? ""
-          : fmt::format("{} contacts in {:.4g} s, largest contact force {:.4g} N\n{}", performance.contacts,
-                        score.duration_s, performance.largest_force_n, short_contact_line(performance, how));
-  write_stdout(fmt::format("{}full scale of the sound: {:.4g} {} ({})\n{}{}", contacts, 1 / scale, sound.unit,
-                           sound.trace, written, write_stems(stems, options, score, how, scale)));
+  write_stdout(contact_lines(parts, performance) + scale_line(parts, scale) + written +
+               write_stems(stems, options, parts, scale));
 }
 
 // What names one file cannot be for several scores, and two of them cannot be one.

@@ -14,6 +14,7 @@
 #include "contactspline/data/pluck.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/material/named_file.hpp"
+#include "generator/player/drum_names.hpp"
 #include "generator/player/midi_reader.hpp"
 #include "generator/player/score_keys.hpp"
 #include "generator/resonator/resonator_reader.hpp"
@@ -47,7 +48,7 @@ std::string keys_in_words(const InstrumentModel& model) {
 // The notes of a MIDI file and what it left out.
 struct MidiVoices {
   std::map<std::pair<int, double>, Voice> by_channel;  ///< and the own tuning of its notes
-  std::size_t beyond = 0;
+  std::map<int, std::size_t> beyond;                   ///< by key
   double end_s = 0;
 };
 
@@ -56,7 +57,7 @@ MidiVoices midi_voices(const InstrumentModel& model, const MidiSong& song) {
   MidiVoices voices;
   for (const MidiNote& note : song.notes) {
     if (!plays_key(model, note.key)) {
-      ++voices.beyond;
+      ++voices.beyond[note.key];
       continue;
     }
     const bool has_bends =
@@ -71,6 +72,38 @@ MidiVoices midi_voices(const InstrumentModel& model, const MidiSong& song) {
     voices.end_s = std::max(voices.end_s, note.time_s + note.hold_s);
   }
   return voices;
+}
+
+// Without keys of its own, an instrument plays what it plays in hosts: each key its one event; of several events, the
+// keys from 60 on one each.
+InstrumentModel with_keys(InstrumentModel model) {
+  if (!model.keys.ranges.empty()) return model;
+  if (model.events.empty())
+    throw BadInput(
+        fmt::format("--instrument: {} has nothing that keys could play; allowed: an instrument file with "
+                    "strikes, plucks or bows, or a model of your own (.so)",
+                    model.name));
+  constexpr int kFirst = 60, kLast = 127;
+  if (model.events.size() == 1) model.keys.ranges = {{0, kLast, 0}};
+  for (std::size_t event = 0; event < model.events.size() && model.events.size() > 1; ++event)
+    if (const int key = kFirst + static_cast<int>(event); key <= kLast)
+      model.keys.ranges.push_back({key, key, event});
+  return model;
+}
+
+// The notes beyond the keys, if there are some. Of keys that tune nothing, those of drums, each is named.
+std::string beyond_in_words(const InstrumentModel& model, const std::map<int, std::size_t>& beyond) {
+  std::size_t notes = 0;
+  std::vector<std::string> keys;
+  for (const auto& [key, count] : beyond) {
+    const std::string_view drum = drum_on(key);
+    notes += count;
+    keys.push_back(fmt::format("{}{}{} ({})", key, drum.empty() ? "" : " ", drum, count));
+  }
+  if (model.keys.tune() || model.module != nullptr)
+    return fmt::format("left out: notes beyond {} ({})", keys_in_words(model), notes);
+  return shown(fmt::format("left out, as {} has nothing to strike there: keys {}", model.name, fmt::join(keys, ", ")),
+               400);
 }
 
 // The keys that tune nothing stay as they are.
@@ -93,9 +126,15 @@ MidiSettings settings_of(const InstrumentModel& model, const Tuning& tuning) {
 }
 
 // The wheel of its channel, the sustain pedal, and what moves parameters, unless it is of another channel that has a
-// voice of its own.
+// voice of its own. A program is the preset of that number.
 void add_controllers(const InstrumentModel& model, const MidiSong& song, int channel, double cents,
                      const std::set<int>& with_voice, Voice& voice) {
+  const auto is_heard = [&](int from) { return from == channel || !with_voice.contains(from); };
+  for (const MidiProgram& change : song.programs)
+    if (const auto preset = static_cast<std::size_t>(change.program);
+        is_heard(change.channel) && preset < model.presets.size())
+      for (std::size_t p = 0; p < model.parameters.size(); ++p)
+        voice.glides.push_back({change.time_s, model.parameters[p].glide_s, p, model.presets[preset].values[p]});
   if (cents != 0) voice.glides.push_back({0, 0, model.keys.bend, cents});
   for (const MidiBend& bend : song.bends)
     if (bend.channel == channel) voice.glides.push_back(glide_of(bend, model.keys.bend, cents));
@@ -104,8 +143,7 @@ void add_controllers(const InstrumentModel& model, const MidiSong& song, int cha
       voice.glides.push_back({pedal.time_s, 0, model.keys.sustain, pedal.position});
   for (const MidiMove& move : song.moves)
     for (std::size_t p = 0; p < model.parameters.size(); ++p)
-      if (const ModelParameter& x = model.parameters[p];
-          x.controller == move.controller && (move.channel == channel || !with_voice.contains(move.channel)))
+      if (const ModelParameter& x = model.parameters[p]; x.controller == move.controller && is_heard(move.channel))
         voice.glides.push_back({move.time_s, x.glide_s, p, move.is_first ? x.initial : value_at(x, move.part)});
 }
 
@@ -212,14 +250,8 @@ void read_event(const JsonObject& event, const InstrumentModel& model, const Mid
 }  // namespace
 
 Score parse_midi_on_instrument(std::string_view bytes, std::string_view file, std::span<const int> channels,
-                               const InstrumentModel& model, const Tuning& tuning) {
-  if (model.keys.ranges.empty())
-    throw BadInput(fmt::format(
-        "--instrument: {} has no keys; allowed: an instrument file with keys{}, or a model of your own (.so)",
-        model.name,
-        model.events.empty() ? ""
-                             : fmt::format(", such as \"keys\": [ {{ \"key\": 60, \"event\": \"{}\" }} ]",
-                                           model.events.front().name)));
+                               const InstrumentModel& given, const Tuning& tuning) {
+  const InstrumentModel model = with_keys(given);
   if (tuning.is_given() && model.keys.bend == kNoParameter) refuse_tuning(file);
   constexpr int kDrums[] = {10};
   const bool is_drum = channels.empty() && model.module == nullptr && !model.keys.tune();
@@ -227,8 +259,8 @@ Score parse_midi_on_instrument(std::string_view bytes, std::string_view file, st
       parse_midi(bytes, file, is_drum ? std::span<const int>(kDrums) : channels, settings_of(model, tuning));
   MidiVoices voices = midi_voices(model, song);
   if (voices.by_channel.empty())
-    throw BadInput(fmt::format("{}: MIDI: no note of {} is on {}; allowed: {}, or --channel", file,
-                               is_drum ? "channel 10" : "its channels", model.name, keys_in_words(model)));
+    throw NothingPlayed(fmt::format("{}: MIDI: no note of {} is on {}; allowed: {}, or --channel", file,
+                                    is_drum ? "channel 10" : "its channels", model.name, keys_in_words(model)));
   const double duration_s = midi_duration_s(file, voices.end_s);
   Score score{std::string(file), Model::kFile, {}, duration_s, {}};
   std::vector<std::string> left_out = left_out_parts(song);
@@ -237,8 +269,7 @@ Score parse_midi_on_instrument(std::string_view bytes, std::string_view file, st
   if (channels.empty() && song.unchosen > 0)
     left_out.push_back(is_drum ? fmt::format("left out: notes of other channels than 10 ({})", song.unchosen)
                                : left_out_drums(song.unchosen));
-  if (voices.beyond > 0)
-    left_out.push_back(fmt::format("left out: notes beyond {} ({})", keys_in_words(model), voices.beyond));
+  if (!voices.beyond.empty()) left_out.push_back(beyond_in_words(model, voices.beyond));
   if (!left_out.empty()) score.left_out = fmt::format("{}: MIDI: {}", file, fmt::join(left_out, "; "));
   std::set<int> with_voice;
   for (const auto& [channel_and_cents, voice] : voices.by_channel) with_voice.insert(channel_and_cents.first);

@@ -58,6 +58,7 @@ class SongRecorder {
         song_.moves.push_back({time_s_, event.channel, kPressureController, event.value, event.is_first});
         return;
       case Kind::kProgram:
+        song_.programs.push_back({time_s_, event.channel, event.number});
         return;
     }
   }
@@ -122,11 +123,11 @@ bool is_note_on(const std::vector<std::uint8_t>& bytes) {
   const std::string why = remarks.empty() ? "" : fmt::format(" ({})", fmt::join(remarks, "; "));
   if (with_notes.empty()) refuse_midi(file, "it has no note" + why);
   if (with_notes == std::set{kDrums + 1})
-    throw BadInput(fmt::format(
+    throw NothingPlayed(fmt::format(
         "{}: MIDI: all its notes are on channel 10, which is for drums{}; allowed: --channel 10 to play them as keys",
         file, why));
   const bool is_of_drums = channels.size() == 1 && channels.front() == kDrums + 1;
-  throw BadInput(fmt::format(
+  throw NothingPlayed(fmt::format(
       "{}: MIDI: no note is on channel {}{}{}; allowed: --channel {}", file, fmt::join(channels, ", "),
       is_of_drums ? ", that of drums and of keys without tuned_key" : "", why, fmt::join(with_notes, ", ")));
 }
@@ -140,6 +141,13 @@ void let_go(MidiFile& file) {
 }
 
 }  // namespace
+
+std::map<int, std::size_t> notes_by_channel(std::string_view bytes, std::string_view file) {
+  std::map<int, std::size_t> notes;
+  for (const auto& [time_s, message] : read_midi_file(bytes, file).messages)
+    if (is_note_on(message)) ++notes[(message[0] & 0xf) + 1];
+  return notes;
+}
 
 PlayedMidi read_played_midi(std::string_view bytes, std::string_view file, std::span<const int> channels) {
   PlayedMidi played{read_midi_file(bytes, file)};
@@ -181,7 +189,7 @@ MidiSong parse_midi(std::string_view bytes, std::string_view file, std::span<con
   song.unchosen = played.unchosen;
   song.unmapped = played.notes - song.notes.size();
   if (song.notes.empty())
-    throw BadInput(
+    throw NothingPlayed(
         fmt::format("{}: MIDI: all its notes are on keys that the key map leaves out; allowed: a key map "
                     "with a degree for some of them",
                     file));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -10,6 +11,7 @@
 
 #include "contactspline/midi/midi_interpreter.hpp"
 #include "generator/player/midi_file.hpp"
+#include "generator/support/error.hpp"
 
 namespace contactspline {
 
@@ -48,17 +50,25 @@ struct MidiMove {
   bool is_first = false;  ///< back to its first value
 };
 
+/// A channel changes its program.
+struct MidiProgram {
+  double time_s;
+  int channel;  ///< 0 to 15
+  int program;  ///< 0 to 127
+};
+
 struct MidiSong {
-  std::string title;                      ///< of the first track, printable; empty where it has none
-  std::vector<MidiNote> notes;            ///< by rising time
-  std::vector<MidiBend> bends;            ///< by rising time
-  std::vector<MidiPedal> pedals;          ///< by rising time
-  std::vector<MidiMove> moves = {};       ///< by rising time
-  std::vector<double> silences_s = {};    ///< when all that sounds stops
-  std::vector<std::string> remarks = {};  ///< what of the file was not read as it stands
-  std::size_t unchosen = 0;               ///< notes of other channels
-  std::size_t unmapped = 0;               ///< notes on keys that do not sound
-  std::size_t far_bends = 0;              ///< of sounding notes, beyond what MidiSettings allow
+  std::string title;                       ///< of the first track, printable; empty where it has none
+  std::vector<MidiNote> notes;             ///< by rising time
+  std::vector<MidiBend> bends;             ///< by rising time
+  std::vector<MidiPedal> pedals;           ///< by rising time
+  std::vector<MidiMove> moves = {};        ///< by rising time
+  std::vector<MidiProgram> programs = {};  ///< by rising time
+  std::vector<double> silences_s = {};     ///< when all that sounds stops
+  std::vector<std::string> remarks = {};   ///< what of the file was not read as it stands
+  std::size_t unchosen = 0;                ///< notes of other channels
+  std::size_t unmapped = 0;                ///< notes on keys that do not sound
+  std::size_t far_bends = 0;               ///< of sounding notes, beyond what MidiSettings allow
 };
 
 /// What is played of a MIDI file.
@@ -67,6 +77,14 @@ struct PlayedMidi {
   std::size_t notes = 0;     ///< of these channels
   std::size_t unchosen = 0;  ///< notes of other channels
 };
+
+/// Nothing of a MIDI file is played: the notes are on other channels or keys.
+struct NothingPlayed : BadInput {
+  using BadInput::BadInput;
+};
+
+/// How many notes each channel (1 to 16) has that has some. Throws BadInput.
+[[nodiscard]] std::map<int, std::size_t> notes_by_channel(std::string_view bytes, std::string_view file);
 
 /// The messages of the channels (1 to 16), or if none is given of all but the tenth, which is for drums unless an MPE
 /// zone holds it. `file` stands in messages only. Throws BadInput, also where no note is played.

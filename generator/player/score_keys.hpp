@@ -110,10 +110,12 @@ inline void require_tuned(const JsonObject& event, int key, const KeyCents& cent
     event.fail(event.key("key"), fmt::format("the key map leaves out key {}", key), "keys that it gives a degree");
 }
 
-/// Throws BadInput: a tuning is given for a score without keys that have a pitch.
+/// Throws NothingTuned: a tuning is given for a score without keys that have a pitch.
 [[noreturn]] inline void refuse_tuning(std::string_view file) {
-  refuse(file, "tuning", "the score has no keys that could be tuned",
-         "for MIDI files, scores with a keyboard, and instruments with a tuned_key");
+  throw NothingTuned(
+      fmt::format("{}: tuning: the score has no keys that could be tuned; allowed: for MIDI files, scores with a "
+                  "keyboard, and instruments with a tuned_key",
+                  file));
 }
 
 /// Sorts what happens to each voice by rising time.

@@ -417,7 +417,7 @@ bool is_on(const Keyboard& keyboard, const MidiNote& note) {
 double duration_of(const MidiSong& song, const Keyboard& keyboard, std::string_view file) {
   const auto on_keyboard = [&](const MidiNote& note) { return is_on(keyboard, note); };
   if (std::ranges::none_of(song.notes, on_keyboard))
-    throw BadInput(fmt::format("{}: MIDI: no note is on the {}; allowed: keys {} to {}", file, keyboard.name,
+    throw NothingPlayed(fmt::format("{}: MIDI: no note is on the {}; allowed: keys {} to {}", file, keyboard.name,
                                keyboard.first_key, keyboard.last_key));
   double end = 0;
   for (const MidiNote& note : song.notes)

@@ -7,6 +7,7 @@
 
 #include "contactspline/midi/key_tuning.hpp"
 #include "generator/material/contact_reader.hpp"
+#include "generator/support/error.hpp"
 #include "generator/support/json_reader.hpp"
 
 namespace contactspline {
@@ -27,6 +28,11 @@ struct Tuning {
 
 inline constexpr Range kA4_hz{220, 880};
 inline constexpr double kUsualA4_hz = 440;
+
+/// A tuning is given, and nothing that is played has a pitch.
+struct NothingTuned : BadInput {
+  using BadInput::BadInput;
+};
 
 /// Cents of all keys above those of an instrument of equal temperament with such an A4 [Hz]. A key that the key map
 /// leaves out has no number; those outside of its range have 0. Throws BadInput, with file and line.

@@ -23,6 +23,7 @@
 #include "generator/cli/files.hpp"
 #include "generator/cli/inputs.hpp"
 #include "generator/cli/inspect_json.hpp"
+#include "generator/cli/parts.hpp"
 #include "generator/fit/fit.hpp"
 #include "generator/fit/fitted_material.hpp"
 #include "generator/fit/measurements_reader.hpp"
@@ -325,30 +326,52 @@ py::dict presets_of(const Source& source) {
   return presets;
 }
 
-// A score that ships, of a file or of a text: samples by channel, largest forces, and what the sound is.
-py::tuple play_score(const std::string& source, bool is_text, double rate, bool is_single, const std::string& scale,
-                     const std::string& keymap, std::optional<double> a4_hz) {
-  Performance performance;
+// What plays a score that ships, of a file or of a text.
+std::vector<Score> scores_of(const std::string& source, bool is_text, const std::vector<std::string>& instruments,
+                             const std::vector<int>& channels, const Tuning& tuning) {
+  std::vector<Score> scores;
+  if (is_text && !(instruments.empty() && channels.empty()))
+    refuse("score", "--instrument and --channel", "are for MIDI files", "without them");
+  if (is_text)
+    scores.push_back(parse_score(source, "score", read_input, nullptr, tuning));
+  else
+    for (PartSource& part : read_parts(source, parts_argument(instruments, channels), tuning).list)
+      scores.push_back(std::move(part.source.score));
+  return scores;
+}
+
+// A score as `render` plays it: samples by channel, largest forces, and what the sound is.
+py::tuple play_score(const std::string& source, bool is_text, double rate, bool is_single,
+                     const std::vector<std::string>& instruments, const std::vector<int>& channels,
+                     const std::string& scale, const std::string& keymap, std::optional<double> a4_hz) {
+  Performance performance{rate, 1, {}, {}, 0, 0};
   std::string output, unit;
   std::optional<double> level_db;
   {
     const py::gil_scoped_release unlocked;
     const Tuning tuning = tuning_argument(scale, keymap, a4_hz);
-    const Score score = is_text ? parse_score(source, "score", read_input, nullptr, tuning)
-                                : score_argument(source, {}, {}, tuning).score;
-    level_db = score.level_db;
-    PlayOptions options{rate};
-    options.precision = is_single ? Precision::kSingle : Precision::kDouble;
-    options.oversampling = score.oversampling;
-    if (score.ring_s > 0) options.max_ring_s = kLongestRing_s;
-    choose_best_output(score, options);
-    performance = play(score, options, [](double) { stop_on_signal(); });
-    const Output chosen = contactspline::outputs_of(score)[options.output];
-    output = options.is_on_body ? "body_velocity_m_per_s" : chosen.name;
-    unit = options.is_on_body ? "m/s" : chosen.unit;
+    const std::vector<Score> scores = scores_of(source, is_text, instruments, channels, tuning);
+    for (const Score& score : scores) performance.channels = std::max(performance.channels, channels_of(score));
+    level_db = scores[0].level_db;
+    for (const Score& score : scores) {
+      PlayOptions options{rate};
+      options.precision = precision_of(score, is_single ? Precision::kSingle : Precision::kDouble);
+      options.oversampling = score.oversampling;
+      if (score.ring_s > 0) options.max_ring_s = kLongestRing_s;
+      choose_best_output(score, options);
+      Performance part = play(score, options, [](double) { stop_on_signal(); });
+      const Output chosen = contactspline::outputs_of(score)[options.output];
+      output = options.is_on_body ? "body_velocity_m_per_s" : chosen.name;
+      unit = options.is_on_body ? "m/s" : chosen.unit;
+      if (scores.size() == 1)
+        performance = std::move(part);
+      else
+        add_part(performance, part, full_scale_of(score, options));
+    }
+    if (scores.size() > 1) output = "sum", unit = "";
   }
-  const auto channels = static_cast<py::ssize_t>(performance.channels);
-  py::array_t<float> samples({static_cast<py::ssize_t>(performance.samples.size()) / channels, channels});
+  const auto sides = static_cast<py::ssize_t>(performance.channels);
+  py::array_t<float> samples({static_cast<py::ssize_t>(performance.samples.size()) / sides, sides});
   std::ranges::copy(performance.samples, samples.mutable_data());
   return py::make_tuple(
       samples, py::array_t<float>(static_cast<py::ssize_t>(performance.force_n.size()), performance.force_n.data()),

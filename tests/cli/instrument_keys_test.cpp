@@ -67,6 +67,15 @@ class KeysOnTheCommandLine : public ::testing::Test {
            byte(static_cast<int>(track.size())) + track;
   }
 
+  // The instrument without keys, damper and presets.
+  static std::string without_keys() {
+    const auto begin = kGood.find("  \"keys\""), end = kGood.find("  \"outputs\"");
+    return kGood.substr(0, begin) + kGood.substr(end);
+  }
+  static std::string without_events() {
+    return changed(changed(without_keys(), R"(, "release_n": 0.5)", ""), R"(  "strikes": ["hammer"],)", "");
+  }
+
   [[nodiscard]] Outcome run_here(const Words& words) const {
     return run({.arguments = words, .folder = box_.path()});
   }
@@ -120,6 +129,20 @@ TEST_F(KeysOnTheCommandLine, OfADrumPlayTheTenthChannel) {
                  "allowed: --channel 1");
 }
 
+// Without keys each key plays the one event of an instrument, as in hosts; of two events the keys from 60 on.
+TEST_F(KeysOnTheCommandLine, OfHostsArePlayedWithoutKeys) {
+  const auto contacts = [&](const std::string& file, const std::string& text) {
+    write_file(box_ / file, text);
+    const Outcome outcome = render("song.mid", file, {"--channel", "1", "--tail", "0.2"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.out.substr(0, outcome.out.find(" in ")) + outcome.err;
+  };
+  const std::string two = without_keys(), one = changed(two, R"(, "release_n": 0.5)", "");
+  EXPECT_EQ(contacts("one.json", one), "2 contacts");
+  EXPECT_EQ(contacts("two.json", two),
+            "1 contactscontactspline: song.mid: MIDI: left out, as probe has nothing to strike there: keys 20 (1)\n");
+}
+
 // The keys that docs/how-to/midi.md adds to the tanpura.
 TEST_F(KeysOnTheCommandLine, OfThePageArePlayed) {
   const std::string page = read_file(fs::path(SOURCE_FOLDER) / "docs/how-to/midi.md"), fence = "```jsonc\n";
@@ -134,17 +157,17 @@ TEST_F(KeysOnTheCommandLine, OfThePageArePlayed) {
 TEST_F(KeysOnTheCommandLine, AreRefusedWhereTheyCannotPlay) {
   expect_refused(render("fur_elise", "probe.json"), "fur_elise: --instrument: the score is not a MIDI file",
                  "allowed: no --instrument, a .mid file, or an instrument that is a model of your own (.so)");
-  expect_refused(render("song.mid", "snare"), "--instrument: snare has no keys",
-                 R"(allowed: an instrument file with keys, such as "keys": [ { "key": 60, "event": "strike_)");
-  expect_refused(
-      run_here({"render", "probe.json", "-o", "a.wav"}), "probe.json: file: is an instrument",
-      R"(allowed: a score with "instrument": "probe.json", or, if it has keys, a MIDI file with --instrument probe.json)");
+  write_file(box_ / "still.json", without_events());
+  expect_refused(render("song.mid", "still.json"), "--instrument: probe has nothing that keys could play",
+                 "allowed: an instrument file with strikes, plucks or bows");
+  expect_refused(run_here({"render", "probe.json", "-o", "a.wav"}), "probe.json: file: is an instrument",
+                 R"(allowed: a score with "instrument": "probe.json", or a MIDI file with --instrument probe.json)");
   expect_refused(
       render("song.mid", "felt_c4"), "--instrument: felt_c4: is a material",
-      "allowed: a .json file of an instrument with bodies and keys, or of a keyboard, a model of your own (.so), "
-      "cello, fret_guitar, lap_steel, violin, piano");
+      "allowed: a .json file of an instrument or a keyboard, a model of your own (.so), cello, classical_guitar, "
+      "fret_guitar, or another name of `contactspline list instruments`");
   expect_refused(render("song.mid", "probe"), "--instrument: probe: is no instrument and no keyboard",
-                 "allowed: probe.json, which is a file here, a model of your own (.so), cello, fret_guitar, ");
+                 "allowed: probe.json, which is a file here, a model of your own (.so), ");
   expect_refused(run_here({"render", "song"}), "song: SCORE: no such score ships",
                  "allowed: song.mid, which is a file here, ");
   expect_refused(run_here({"inspect", "probe"}), "probe: MATERIAL: no such material, ",

@@ -116,6 +116,30 @@ TEST(MidiInHost, PressureAndBreathMoveABow) {
     if (glide.control == 0) EXPECT_EQ(glide.to, 0.5);
 }
 
+// Counted from 0; a number without a preset changes nothing. Parameters that a preset does not name go back.
+TEST(MidiInHost, ProgramsArePresets) {
+  const InstrumentModel guitar =
+      parse_instrument(find_embedded(Shipped::kInstruments, "lap_steel.json")->content, "lap_steel.json");
+  const InstrumentArrays arrays = arrays_of(guitar, kRate_hz / 2);
+  Hosted<double> hosted(handle_of<Voices<NetworkInstrument<double>>>(arrays.view()));
+  hosted.prepare(kRate_hz);
+  Events messages;
+  for (const int program : {2, 1, 3, 4, 127}) {
+    messages.emplace_back(0, bytes({0xc0, program}));
+    hosted.midi({reinterpret_cast<const std::uint8_t*>(messages.back().second.data()), 2});
+  }
+  const Score score =
+      parse_midi_on_instrument(file(track(followed_by(messages, midi::kNote))), "song.mid", {}, guitar);
+  ASSERT_EQ(score.voices.front().glides.size(), 3 * guitar.parameters.size());
+  std::vector<double> ends(guitar.parameters.size());
+  for (const Glide& glide : score.voices.front().glides) ends[glide.control] = glide.to;
+  for (std::size_t p = 0; p < ends.size(); ++p) {
+    EXPECT_EQ(ends[p], guitar.presets[3].values[p]);
+    EXPECT_EQ(hosted.target(p), guitar.presets[3].values[p]);
+  }
+  EXPECT_NE(guitar.presets[3].values, guitar.presets[1].values);
+}
+
 // Channels that bend have voices of their own: one's pressure does not press the bow of the other.
 TEST(MidiInHost, PressureIsOfItsChannel) {
   const InstrumentModel violin =

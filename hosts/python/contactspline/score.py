@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Mapping
+import re
+from typing import Any, Iterable, Mapping
 
 import numpy as np
 import numpy.typing as npt
@@ -21,26 +22,45 @@ class ScoreSound(Sound):
 
 
 def play_score(source: str | os.PathLike[str] | Mapping[str, Any], *, sample_rate_hz: float = 44100,
-               precision: str = "double", tuning: str | os.PathLike[str] | None = None,
+               precision: str = "double", instrument: str | os.PathLike[str] | Mapping[int | str, str | os.PathLike[str]] | None = None,
+               channel: int | Iterable[int] | None = None, tuning: str | os.PathLike[str] | None = None,
                keymap: str | os.PathLike[str] | None = None, a4_hz: float | None = None) -> ScoreSound:
     """Plays a score: a name that ships, the path of a .json or .mid file, or a dict. Returns a Sound, as `render` plays it: a MIDI
     file rings until it is 60 dB down.
 
     The sound has the shape (samples,) or, in stereo, (samples, 2). Its force_n holds the largest contact force in each
     of at most 1200 equal stretches of time. tuning, keymap: files of Scala (.scl, .kbm) that tune its keys, as a4_hz, the
-    pitch of A4, does; in place of what the score says.
+    pitch of A4, does; in place of what the score says. instrument: what plays a MIDI file, a name or file, or several by
+    channel, such as {1: "piano", 10: "kit", "*": "cello"}; their sum divides each by its full scale. channel: those that
+    one instrument plays, 1 to 16; by default all but the tenth.
     """
     if precision not in ("single", "double"):
         raise _core.Error(f"precision: '{precision}' is unknown; allowed: single, double")
     check_rate(sample_rate_hz)
-    samples, forces, contacts, output, unit, level_db = _core.play_score(
-        *source_of(source), sample_rate_hz, precision == "single", *_tuning_of(tuning, keymap, a4_hz))
+    channels = [] if channel is None else [channel] if isinstance(channel, int) else list(channel)
+    for number in channels:
+        if not (isinstance(number, int) and 1 <= number <= 16):
+            raise _core.Error(f"channel: {number!r} is refused; allowed: an integer from 1 to 16")
+    try:
+        samples, forces, contacts, output, unit, level_db = _core.play_score(
+            *source_of(source), sample_rate_hz, precision == "single", _instruments_of(instrument), channels,
+            *_tuning_of(tuning, keymap, a4_hz))
+    except _core.Error as error:  # options of the command line are arguments here
+        raise _core.Error(re.sub(r"--(channel|instrument)\b", r"\1", str(error))) from None
     title = source if isinstance(source, str) else "score"
     sound = ScoreSound(title, {output: samples[:, 0] if samples.shape[1] == 1 else samples}, {output: unit}, sample_rate_hz, forces)
     sound.contacts = contacts
     if level_db is not None:
         sound.level_db = level_db
     return sound
+
+
+def _instruments_of(instrument):
+    if instrument is None:
+        return []
+    if isinstance(instrument, Mapping):
+        return [f"{channel}={os.fspath(name)}" for channel, name in instrument.items()]
+    return [os.fspath(instrument)]
 
 
 def _tuning_of(tuning, keymap, a4_hz):

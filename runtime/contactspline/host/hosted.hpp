@@ -159,7 +159,7 @@ class Hosted {
       case Kind::kPressure:
         return event.is_first ? reset_pressure() : move(kPressureController, event.value);
       case Kind::kProgram:
-        return;
+        return load(static_cast<std::size_t>(event.number));
     }
   }
 

@@ -103,7 +103,7 @@ inline constexpr auto kMidiOthers = std::to_array<MidiWords>({
     {"pitch wheel",
      "bends what its channel plays by the bend range, in an MPE zone beside that of the first channel"},
     {"pressure of a key or channel", "moves the parameter that has it, as the force of a bow"},
-    {"program", "known, but changes no instrument"},
+    {"program", "loads the preset of its number, counted from 0, if there is one"},
     {"master fine and coarse tuning", "universal, real time: tunes all"},
     {"single-note tuning",
      "universal, with or without a bank: tunes keys from their next note on, whatever the program"},

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+// The instruments that play a MIDI file together: each has channels of its own.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "generator/cli/inputs.hpp"
+#include "generator/player/score_player.hpp"
+
+namespace contactspline {
+
+/// An instrument and what it plays.
+struct Part {
+  std::string instrument;     ///< as of score_argument(): empty is the piano
+  std::vector<int> channels;  ///< 1 to 16; empty: those that score_argument() chooses
+};
+
+/// Who plays a score.
+struct Parts {
+  std::vector<Part> list;
+  bool by_channel = false;  ///< of a MIDI file; else there is one part
+};
+
+/// The parts of --instrument: a NAME alone, which plays `channels`; or a list of CHANNEL=NAME, in which a NAME alone
+/// or
+/// *=NAME plays all channels that stand with no other one, except the tenth. A name that stands there twice is one
+/// part. Throws BadInput.
+[[nodiscard]] Parts parts_argument(std::span<const std::string> instruments, const std::vector<int>& channels);
+
+/// A part that has notes.
+struct PartSource {
+  std::string name;  ///< of its instrument
+  ScoreSource source;
+};
+
+struct PartSources {
+  std::vector<PartSource> list;      ///< at least one
+  std::vector<std::string> remarks;  ///< lines on parts without notes, and on channels without a part
+};
+
+/// What each part plays of a SCORE: the messages of its channels, and those of no channel. `tuning` tunes the parts
+/// that have a pitch. Throws BadInput, also where no part has notes.
+[[nodiscard]] PartSources read_parts(const std::string& score, const Parts& parts, const Tuning& tuning);
+
+/// The precision that is asked for, or the only one in which a model of the user's own computes.
+[[nodiscard]] Precision precision_of(const Score& score, Precision asked);
+
+/// What a host plays as 1: of several parts each sounds as loud as in a host.
+[[nodiscard]] double full_scale_of(const Score& score, const PlayOptions& how);
+
+/// Adds a part, its samples divided by its full scale, to others at the same rate. A part of one channel is on both
+/// sides of a sum of two.
+void add_part(Performance& sum, const Performance& part, double full_scale);
+
+}  // namespace contactspline
