@@ -22,7 +22,7 @@ class ScoreSound(Sound):
 
 
 def play_score(source: str | os.PathLike[str] | Mapping[str, Any], *, sample_rate_hz: float = 44100,
-               precision: str = "double", instrument: str | os.PathLike[str] | Mapping[int | str, str | os.PathLike[str]] | None = None,
+               precision: str = "double", instrument: str | os.PathLike[str] | Mapping[Any, str | os.PathLike[str]] | None = None,
                channel: int | Iterable[int] | None = None, tuning: str | os.PathLike[str] | None = None,
                keymap: str | os.PathLike[str] | None = None, a4_hz: float | None = None) -> ScoreSound:
     """Plays a score: a name that ships, the path of a .json or .mid file, or a dict. Returns a Sound, as `render` plays it: a MIDI

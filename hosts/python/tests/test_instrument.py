@@ -200,6 +200,27 @@ def test_scores_are_those_of_the_program(tmp_path, program, score):
     assert -0.002 < np.min(lost) and np.max(lost) < 1
 
 
+def test_a_midi_file_is_played_by_instruments_of_its_channels(tmp_path):
+    song, drums = tmp_path / "song.mid", tmp_path / "drums.mid"
+    drums.write_bytes(SONG.replace(b"\0\x90\x60", b"\0\x99\x26").replace(b"\x30\x80\x60", b"\x30\x89\x26"))
+    two = bytearray(SONG.replace(b"\0\0\0\x0c\0\x90", b"\0\0\0\x14\0\x99\x26\x60\0\x90"))
+    song.write_bytes(two.replace(b"\x60\0\0\xff", b"\x60\0\0\x89\x26\0\0\xff"))
+    mix = cs.play_score(song, instrument={1: "piano", "10": "kit"})
+    piano, kit = cs.play_score(song), cs.play_score(song, instrument="kit", channel=10)
+    expected = np.zeros(mix.samples.shape)
+    expected[:len(piano.samples)] += piano.samples * 12
+    expected[:len(kit.samples)] += kit.samples[:, None] / 2
+    assert np.allclose(mix.samples, expected, rtol=0, atol=1e-6 * np.max(np.abs(expected)))
+    assert mix.contacts == piano.contacts + kit.contacts
+    assert np.array_equal(cs.play_score(drums, instrument="kit").samples, cs.play_score(drums, instrument="kit", channel=[10]).samples)
+    for wrong, arguments in {"which is for drums; allowed: channel 10 to play": {}, "instrument: '17=kit' names no channel": {
+            "instrument": {17: "kit"}}, "channel: 17 is refused; allowed: an integer from 1": {"channel": 17}}.items():
+        with pytest.raises(cs.Error, match=wrong):
+            cs.play_score(drums, **arguments)
+    with pytest.raises(cs.Error, match="are for MIDI files"):
+        cs.play_score({"instrument": "kit"}, instrument="kit")
+
+
 def test_keys_are_tuned_by_files_of_scala(tmp_path):
     # Middle C four keys higher: the key plays the strings of middle C. Its neighbour is left out.
     (tmp_path / "up.kbm").write_text("2\n0\n127\n64\n64\n261.6255653005986\n12\n0\nx\n")
