@@ -438,7 +438,7 @@ std::shared_ptr<ScoreOptions> add_score_options(CLI::App& command, std::optional
         .add_option("--instrument", options->instruments,
                     "what plays a MIDI file (default: the piano): a keyboard or an instrument\n"
                     "with keys, or a model of your own (.so), which plays scores, too;\n"
-                    "or several by channel: 1=piano,2=cello,10=kit, *=piano for the others")
+                    "or several by channel, program or for the others: 1=piano,10=kit,p41=violin,*=cello")
         ->allow_extra_args(false)
         ->check(not_empty("an instrument"))
         ->type_name("FILE");

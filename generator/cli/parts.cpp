@@ -11,6 +11,7 @@
 #include <optional>
 #include <ranges>
 #include <set>
+#include <string_view>
 #include <utility>
 
 #include "contactspline/data/model_parameters.hpp"
@@ -21,7 +22,7 @@
 namespace contactspline {
 namespace {
 
-constexpr int kChannels = 16, kDrums = 10;
+constexpr int kChannels = 16, kDrums = 10, kPrograms = 128;
 constexpr const char* kOthers = "*";
 constexpr std::size_t kColumns = 1200;  // of the forces of a sum
 
@@ -40,24 +41,12 @@ std::vector<std::string> items_of(std::span<const std::string> lists) {
   return items;
 }
 
-// The channel before a name, or nothing for the others.
-std::optional<int> channel_of(const std::string& given, const std::string& channel) {
-  if (channel == kOthers) return std::nullopt;
+// A whole text as a number from 1 to `most`, or nothing.
+std::optional<int> number_of(std::string_view text, int most) {
   int number = 0;
-  const auto [end, error] = std::from_chars(channel.data(), channel.data() + channel.size(), number);
-  if (error != std::errc() || end != channel.data() + channel.size() || number < 1 || number > kChannels)
-    refuse_part(fmt::format("'{}' names no channel", shown(given)), "1 to 16 or * before =, such as 10=kit");
-  return number;
-}
-
-// All channels that no part names, without that of drums.
-std::vector<int> other_channels(std::span<const Part> parts) {
-  std::vector<int> others;
-  for (int channel = 1; channel <= kChannels; ++channel)
-    if (channel != kDrums &&
-        std::ranges::none_of(parts, [=](const Part& part) { return std::ranges::count(part.channels, channel) > 0; }))
-      others.push_back(channel);
-  return others;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const bool is_read = error == std::errc() && end == text.data() + text.size();
+  return is_read && number >= 1 && number <= most ? std::optional(number) : std::nullopt;
 }
 
 // The part of an instrument, which is made if there is none.
@@ -66,26 +55,72 @@ Part& part_of(std::vector<Part>& parts, const std::string& instrument) {
   return found != parts.end() ? *found : parts.emplace_back(Part{instrument, {}});
 }
 
-// A part's score, without the tuning if it has no pitch.
-ScoreSource read_part(const std::string& score, const Part& part, const Tuning& tuning) {
+// Gives a part what stands before its name.
+void give(const std::string& item, const std::string& what, Part& part) {
+  if (what == kOthers)
+    part.has_others = true;
+  else if (const auto channel = number_of(what, kChannels))
+    part.channels.push_back(*channel);
+  else if (const auto program = what.starts_with('p') ? number_of(what.substr(1), kPrograms) : std::nullopt)
+    part.programs.push_back(*program);
+  else
+    refuse_part(fmt::format("'{}' names no channel", shown(item)),
+                "1 to 16, p1 to p128 for programs, or * before =, such as 10=kit");
+}
+
+// The part that plays a channel: by its number, else by its program, else with all others; or null.
+Part* player_of(std::vector<Part>& parts, int channel, const MidiUse& use) {
+  const auto find = [&](const auto& plays) {
+    const auto found = std::ranges::find_if(parts, plays);
+    return found == parts.end() ? nullptr : &*found;
+  };
+  const auto has = [](const std::vector<int>& list, int number) { return std::ranges::count(list, number) > 0; };
+  if (Part* part = find([&](const Part& each) { return has(each.channels, channel); })) return part;
+  if (channel == kDrums) return nullptr;
+  if (Part* part = find([&](const Part& each) { return has(each.programs, use.program + 1); })) return part;
+  return find([](const Part& part) { return part.has_others; });
+}
+
+// What a part without notes was to play.
+std::string wanted_of(const Part& part) {
+  std::vector<std::string> wanted;
+  if (!part.channels.empty()) wanted.push_back(fmt::format("channel {}", fmt::join(part.channels, ", ")));
+  if (!part.programs.empty()) wanted.push_back(fmt::format("program {}", fmt::join(part.programs, ", ")));
+  if (part.has_others) wanted.emplace_back("another channel");
+  return fmt::format("{}", fmt::join(wanted, ", "));
+}
+
+// The parts with the channels that have notes, in place of their programs and others.
+std::vector<Part> with_channels(std::vector<Part> parts, const std::map<int, MidiUse>& uses) {
+  std::vector<Part> played = parts;
+  for (Part& part : played) part.channels.clear();
+  for (const auto& [channel, use] : uses)
+    if (const Part* part = player_of(parts, channel, use))
+      played[static_cast<std::size_t>(part - parts.data())].channels.push_back(channel);
+  return played;
+}
+
+// A part's score, without the tuning if it has no pitch; then `untuned` gets a line. Without channels nothing is
+// played: there is no channel 0.
+ScoreSource read_part(const std::string& score, const Part& part, const Tuning& tuning,
+                      std::vector<std::string>& untuned) {
+  const std::vector<int> channels = part.channels.empty() ? std::vector{0} : part.channels;
   try {
-    return score_argument(score, part.channels, part.instrument, tuning);
-  } catch (const NothingTuned&) {
-    return score_argument(score, part.channels, part.instrument, {});
+    return score_argument(score, channels, part.instrument, tuning);
+  } catch (const NothingTuned& error) {
+    ScoreSource source = score_argument(score, channels, part.instrument, {});
+    untuned.emplace_back(error.what());
+    return source;
   }
 }
 
-bool has_notes(const Part& part, const std::map<int, std::size_t>& notes) {
-  return std::ranges::any_of(part.channels, [&](int channel) { return notes.contains(channel); });
-}
-
 // A line on the channels that have notes and no part, or nothing.
-std::vector<std::string> remark_on_others(const std::string& score, const Parts& parts,
-                                          std::map<int, std::size_t> notes) {
-  for (const Part& part : parts.list)
-    for (const int channel : part.channels) notes.erase(channel);
+std::vector<std::string> remark_on_others(const std::string& score, std::span<const Part> parts,
+                                          std::map<int, MidiUse> uses) {
+  for (const Part& part : parts)
+    for (const int channel : part.channels) uses.erase(channel);
   std::vector<std::string> others;
-  for (const auto& [channel, count] : notes) others.push_back(fmt::format("{} ({})", channel, count));
+  for (const auto& [channel, use] : uses) others.push_back(fmt::format("{} ({})", channel, use.notes));
   if (others.empty()) return {};
   return {fmt::format("{}: MIDI: left out: notes of channels that --instrument does not name: {}", score,
                       fmt::join(others, ", "))};
@@ -111,26 +146,15 @@ Parts parts_argument(std::span<const std::string> instruments, const std::vector
   if (!channels.empty())
     throw BadInput("--channel: stands beside the channels of --instrument; allowed: one of the two");
   std::vector<Part> parts;
-  std::optional<std::string> others;
-  std::set<int> named;
-  for (const std::string& given : items_of(instruments)) {
-    const std::size_t at = given.find('=');
-    const std::string name = at == std::string::npos ? given : given.substr(at + 1);
-    if (name.empty()) refuse_part(fmt::format("'{}' names no instrument", shown(given)), "such as 1=piano");
-    const auto channel = channel_of(given, at == std::string::npos ? kOthers : given.substr(0, at));
-    if (channel ? !named.insert(*channel).second : others.has_value())
-      refuse_part(channel ? fmt::format("channel {} has two instruments", *channel)
-                          : std::string("the other channels have two instruments"),
-                  "one for each, such as 1=piano,2=cello");
-    if (channel)
-      part_of(parts, name).channels.push_back(*channel);
-    else
-      others = name;
-  }
-  if (others) {
-    const std::vector<int> rest = other_channels(parts);
-    Part& part = part_of(parts, *others);
-    part.channels.insert(part.channels.end(), rest.begin(), rest.end());
+  std::set<std::string> given;
+  for (const std::string& item : items_of(instruments)) {
+    const std::size_t at = item.find('=');
+    const std::string what = at == std::string::npos ? kOthers : item.substr(0, at);
+    const std::string name = at == std::string::npos ? item : item.substr(at + 1);
+    if (name.empty()) refuse_part(fmt::format("'{}' names no instrument", shown(item)), "such as 1=piano");
+    if (!given.insert(what).second)
+      refuse_part(fmt::format("'{}' has two instruments", shown(what)), "one for each, such as 1=piano,2=cello");
+    give(item, what, part_of(parts, name));
   }
   return {std::move(parts), true};
 }
@@ -138,23 +162,26 @@ Parts parts_argument(std::span<const std::string> instruments, const std::vector
 PartSources read_parts(const std::string& score, const Parts& parts, const Tuning& tuning) {
   const auto midi = parts.by_channel ? midi_bytes(score) : std::nullopt;
   if (!midi) return {{{"", score_argument(score, parts.list[0].channels, parts.list[0].instrument, tuning)}}, {}};
-  const std::map<int, std::size_t> notes = notes_by_channel(*midi, score);
+  const std::map<int, MidiUse> uses = midi_uses(*midi, score);
+  const std::vector<Part> played = with_channels(parts.list, uses);
   PartSources read;
-  std::string nothing;
-  for (const Part& part : parts.list) try {
-      read.list.push_back({std::filesystem::path(part.instrument).stem().string(), read_part(score, part, tuning)});
+  std::vector<std::string> untuned;
+  for (std::size_t p = 0; p < played.size(); ++p) try {
+      const std::string& name = played[p].instrument;
+      read.list.push_back(
+          {std::filesystem::path(name).stem().string(), read_part(score, played[p], tuning, untuned)});
     } catch (const NothingPlayed& error) {
-      nothing = error.what();
-      read.remarks.push_back(has_notes(part, notes)
-                                 ? nothing
-                                 : fmt::format("{}: MIDI: no note is on channel {}, which {} plays", score,
-                                               fmt::join(part.channels, ", "), shown(part.instrument)));
+      read.remarks.push_back(played[p].channels.empty()
+                                 ? fmt::format("{}: MIDI: no note is on {}, which {} plays", score,
+                                               wanted_of(parts.list[p]), shown(played[p].instrument))
+                                 : error.what());
     }
-  if (std::ranges::none_of(parts.list, [&](const Part& part) { return has_notes(part, notes); }))
-    refuse_part(fmt::format("{} has no note on these channels", score),
-                fmt::format("channels {}", fmt::join(std::views::keys(notes), ", ")));
-  if (read.list.empty()) throw BadInput(nothing);
-  std::ranges::move(remark_on_others(score, parts, notes), std::back_inserter(read.remarks));
+  if (read.list.empty() && std::ranges::all_of(played, [](const Part& part) { return part.channels.empty(); }))
+    refuse_part(fmt::format("no channel that it names has a note in {}", score),
+                fmt::format("channels {}", fmt::join(std::views::keys(uses), ", ")));
+  if (read.list.empty()) throw BadInput(read.remarks.back());
+  if (!untuned.empty() && untuned.size() == read.list.size()) throw BadInput(untuned.front());
+  std::ranges::move(remark_on_others(score, played, uses), std::back_inserter(read.remarks));
   return read;
 }
 

@@ -14,8 +14,10 @@ namespace contactspline {
 
 /// An instrument and what it plays.
 struct Part {
-  std::string instrument;     ///< as of score_argument(): empty is the piano
-  std::vector<int> channels;  ///< 1 to 16; empty: those that score_argument() chooses
+  std::string instrument;          ///< as of score_argument(): empty is the piano
+  std::vector<int> channels;       ///< 1 to 16; empty: those that score_argument() chooses
+  std::vector<int> programs = {};  ///< 1 to 128, as General MIDI counts
+  bool has_others = false;         ///< plays what no other part does
 };
 
 /// Who plays a score.
@@ -24,10 +26,8 @@ struct Parts {
   bool by_channel = false;  ///< of a MIDI file; else there is one part
 };
 
-/// The parts of --instrument: a NAME alone, which plays `channels`; or a list of CHANNEL=NAME, in which a NAME alone
-/// or
-/// *=NAME plays all channels that stand with no other one, except the tenth. A name that stands there twice is one
-/// part. Throws BadInput.
+/// The parts of --instrument: a NAME alone, which plays `channels`; or a list of CHANNEL=NAME, pPROGRAM=NAME and, for
+/// the other channels, *=NAME or a NAME alone. A name that stands there twice is one part. Throws BadInput.
 [[nodiscard]] Parts parts_argument(std::span<const std::string> instruments, const std::vector<int>& channels);
 
 /// A part that has notes.
@@ -41,7 +41,8 @@ struct PartSources {
   std::vector<std::string> remarks;  ///< lines on parts without notes, and on channels without a part
 };
 
-/// What each part plays of a SCORE: the messages of its channels, and those of no channel. `tuning` tunes the parts
+/// What each part plays of a SCORE: the messages of its channels, and those of no channel. The program of a channel
+/// is that of its first note; the tenth, of drums, has none and is not among the others. `tuning` tunes the parts
 /// that have a pitch. Throws BadInput, also where no part has notes.
 [[nodiscard]] PartSources read_parts(const std::string& score, const Parts& parts, const Tuning& tuning);
 

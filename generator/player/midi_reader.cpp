@@ -142,11 +142,17 @@ void let_go(MidiFile& file) {
 
 }  // namespace
 
-std::map<int, std::size_t> notes_by_channel(std::string_view bytes, std::string_view file) {
-  std::map<int, std::size_t> notes;
-  for (const auto& [time_s, message] : read_midi_file(bytes, file).messages)
-    if (is_note_on(message)) ++notes[(message[0] & 0xf) + 1];
-  return notes;
+std::map<int, MidiUse> midi_uses(std::string_view bytes, std::string_view file) {
+  std::map<int, MidiUse> uses;
+  std::array<int, kChannels> programs{};
+  for (const auto& [time_s, message] : read_midi_file(bytes, file).messages) {
+    const int channel = message[0] & 0xf;
+    if ((message[0] & 0xf0) == 0xc0) programs[static_cast<std::size_t>(channel)] = message[1];
+    if (!is_note_on(message)) continue;
+    MidiUse& use = uses[channel + 1];
+    if (use.notes++ == 0) use.program = programs[static_cast<std::size_t>(channel)];
+  }
+  return uses;
 }
 
 PlayedMidi read_played_midi(std::string_view bytes, std::string_view file, std::span<const int> channels) {

@@ -83,8 +83,14 @@ struct NothingPlayed : BadInput {
   using BadInput::BadInput;
 };
 
-/// How many notes each channel (1 to 16) has that has some. Throws BadInput.
-[[nodiscard]] std::map<int, std::size_t> notes_by_channel(std::string_view bytes, std::string_view file);
+/// A channel of a file that has notes.
+struct MidiUse {
+  std::size_t notes = 0;
+  int program = 0;  ///< of its first note, 0 to 127
+};
+
+/// The channels (1 to 16) of a file that have notes. Throws BadInput.
+[[nodiscard]] std::map<int, MidiUse> midi_uses(std::string_view bytes, std::string_view file);
 
 /// The messages of the channels (1 to 16), or if none is given of all but the tenth, which is for drums unless an MPE
 /// zone holds it. `file` stands in messages only. Throws BadInput, also where no note is played.

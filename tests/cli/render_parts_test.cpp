@@ -98,6 +98,31 @@ class RenderParts : public ::testing::Test {
   Sandbox box_;
 };
 
+// That of the first note of a channel, counted from 1; channels that are named go first. The tenth has none.
+TEST_F(RenderParts, AreChosenByPrograms) {
+  using namespace midi;
+  const Events song = {{0, on(60)},          {0, bytes({0xc1, 40})}, {1, on(67, 50, 1)}, {2, bytes({0xc1, 7})},
+                       {3, on(38, 99, 9)},   {100, off(60)},         {100, off(67, 1)},  {100, off(38, 9)},
+                       {101, on(64, 50, 1)}, {150, off(64, 1)}};
+  write_file(box_ / "programs.mid", file(track(song)));
+  const auto sound_of = [&](const std::string& parts) {
+    const Outcome outcome = render(parts, {}, "programs.mid");
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.err + read_file(box_ / "a.wav");
+  };
+  const std::string by_channel = sound_of("1=second.json,2=probe.json,10=drum.json");
+  for (const char* parts : {"p1=second.json,p41=probe.json,10=drum.json", "p41=probe.json,second.json,10=drum.json",
+                            "1=second.json,p1=cello,p41=probe.json,10=drum.json"}) {
+    const std::string sound = sound_of(parts);
+    const auto riff = sound.find("RIFF");
+    EXPECT_TRUE(sound.substr(riff) == by_channel) << parts;
+    EXPECT_EQ(sound.substr(0, riff), std::string(parts).find("cello") == std::string::npos
+                                         ? ""
+                                         : "contactspline: programs.mid: MIDI: no note is on program 1, which cello "
+                                           "plays\n");
+  }
+}
+
 // Each at the full scale of its first output. Samples are summed in single precision.
 TEST_F(RenderParts, AddUpWhatEachPlaysAlone) {
   const Sound mix = sound("1=probe.json,2=second.json,10=drum.json");
@@ -152,20 +177,22 @@ TEST_F(RenderParts, SayWhatIsNotPlayed) {
 }
 
 TEST_F(RenderParts, AreRefusedInOneLine) {
-  const std::string such = "allowed: 1 to 16 or * before =, such as 10=kit";
+  const std::string such = "allowed: 1 to 16, p1 to p128 for programs, or * before =, such as 10=kit";
   for (const auto& [parts, wrong, allowed] :
        {std::array<std::string, 3>{"17=probe.json", "--instrument: '17=probe.json' names no channel", such},
         {"0=probe.json", "--instrument: '0=probe.json' names no channel", such},
+        {"p129=probe.json", "--instrument: 'p129=probe.json' names no channel", such},
         {"1x=probe.json", "--instrument: '1x=probe.json' names no channel", such},
         {"=probe.json", "--instrument: '=probe.json' names no channel", such},
         {"1=unknown", "--instrument: unknown: is no instrument and no keyboard", "cello, classical_guitar, "},
         {"1=probe.json,10=none.json", "none.json: ", ""},
-        {"1=probe.json,1=cello", "--instrument: channel 1 has two instruments", "allowed: one for each, such as"},
-        {"*=probe.json,cello", "--instrument: the other channels have two instruments", "allowed: one for each"},
+        {"1=probe.json,1=cello", "--instrument: '1' has two instruments", "allowed: one for each, such as"},
+        {"*=probe.json,cello", "--instrument: '*' has two instruments", "allowed: one for each"},
         {"1=", "--instrument: '1=' names no instrument", "allowed: such as 1=piano"},
         {"1=probe.json,", "--instrument: '' names no instrument", "allowed: such as 1=piano"},
         {"", "--instrument: '' is refused", "allowed: an instrument"},
-        {"3=probe.json,4=drum.json", "--instrument: song.mid has no note on these channels", "channels 1, 2, 10"}}) {
+        {"3=probe.json,4=drum.json", "--instrument: no channel that it names has a note in song.mid",
+         "channels 1, 2, 10"}}) {
     SCOPED_TRACE(parts);
     const Outcome outcome = render(parts);
     expect_refused(outcome, wrong, allowed);
@@ -190,6 +217,8 @@ TEST_F(RenderParts, OfDrumsKeepTheirPitch) {
   for (std::size_t n = 0; n < drum.samples.size(); n += 100)
     ASSERT_NEAR(drum.samples[n], plain.samples[n] / 2, 1e-6 * plain.peak());
   EXPECT_FALSE(both.samples.empty());
+  expect_refused(render("10=drum.json", tuned), "song.mid: tuning: the score has no keys",
+                 "instruments with a tuned_key");
   expect_refused(render("drum.json", tuned), "song.mid: tuning: the score has no keys",
                  "instruments with a tuned_key");
 }
