@@ -40,7 +40,7 @@ const std::map<std::string, Excitation> kExcitations = {
     {"fret_guitar", {R"({ "time_s": 0.1, "finger_release_n": 3 })", "over_fret", 110, 1, 3e-10}},
     {"kit",
      {R"({ "time_s": 0.1, "snare_speed_m_per_s": 3, "tom_10_speed_m_per_s": 2, "bass_speed_m_per_s": 2 })",
-      "snare_pickup", 441, 1e-4}},
+      "pickup", 441, 1e-4}},
     {"lap_steel", {R"({ "time_s": 0.1, "pick_release_n": 3 })", "under_bar", 2205, 1}},
     {"marimba_tube", {"marimba_blows", "mouth", 2205, 1}},
     {"prepared_piano", {"prepared_notes", "under_bolt", 110, 1e-6}},
