@@ -9,7 +9,6 @@
 #include <filesystem>
 #include <map>
 #include <optional>
-#include <ranges>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -114,6 +113,12 @@ ScoreSource read_part(const std::string& score, const Part& part, const Tuning& 
   }
 }
 
+std::vector<int> channels_of(const std::map<int, MidiUse>& uses) {
+  std::vector<int> channels;
+  for (const auto& [channel, use] : uses) channels.push_back(channel);
+  return channels;
+}
+
 // A line on the channels that have notes and no part, or nothing.
 std::vector<std::string> remark_on_others(const std::string& score, std::span<const Part> parts,
                                           std::map<int, MidiUse> uses) {
@@ -178,7 +183,7 @@ PartSources read_parts(const std::string& score, const Parts& parts, const Tunin
     }
   if (read.list.empty() && std::ranges::all_of(played, [](const Part& part) { return part.channels.empty(); }))
     refuse_part(fmt::format("no channel that it names has a note in {}", score),
-                fmt::format("channels {}", fmt::join(std::views::keys(uses), ", ")));
+                fmt::format("channels {}", fmt::join(channels_of(uses), ", ")));
   if (read.list.empty()) throw BadInput(read.remarks.back());
   if (!untuned.empty() && untuned.size() == read.list.size()) throw BadInput(untuned.front());
   std::ranges::move(remark_on_others(score, played, uses), std::back_inserter(read.remarks));

@@ -418,7 +418,7 @@ double duration_of(const MidiSong& song, const Keyboard& keyboard, std::string_v
   const auto on_keyboard = [&](const MidiNote& note) { return is_on(keyboard, note); };
   if (std::ranges::none_of(song.notes, on_keyboard))
     throw NothingPlayed(fmt::format("{}: MIDI: no note is on the {}; allowed: keys {} to {}", file, keyboard.name,
-                               keyboard.first_key, keyboard.last_key));
+                                    keyboard.first_key, keyboard.last_key));
   double end = 0;
   for (const MidiNote& note : song.notes)
     if (is_on(keyboard, note)) end = std::max(end, note.time_s + note.hold_s);
