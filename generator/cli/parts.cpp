@@ -113,6 +113,11 @@ ScoreSource read_part(const std::string& score, const Part& part, const Tuning& 
   }
 }
 
+bool moves_a_parameter(const Score& score, int controller) {
+  return score.model == Model::kFile &&
+         std::ranges::count(score.voices.front().model->parameters, controller, &ModelParameter::controller) > 0;
+}
+
 std::vector<int> channels_of(const std::map<int, MidiUse>& uses) {
   std::vector<int> channels;
   for (const auto& [channel, use] : uses) channels.push_back(channel);
@@ -168,6 +173,7 @@ PartSources read_parts(const std::string& score, const Parts& parts, const Tunin
   const auto midi = parts.by_channel ? midi_bytes(score) : std::nullopt;
   if (!midi) return {{{"", score_argument(score, parts.list[0].channels, parts.list[0].instrument, tuning)}}, {}};
   const std::map<int, MidiUse> uses = midi_uses(*midi, score);
+  const std::vector<MidiFileMessage> messages = read_midi_file(*midi, score).messages;
   const std::vector<Part> played = with_channels(parts.list, uses);
   PartSources read;
   std::vector<std::string> untuned;
@@ -175,6 +181,9 @@ PartSources read_parts(const std::string& score, const Parts& parts, const Tunin
       const std::string& name = played[p].instrument;
       read.list.push_back(
           {std::filesystem::path(name).stem().string(), read_part(score, played[p], tuning, untuned)});
+      read.list.back().mix = mix_of(messages, played[p].channels, [&](int controller) {
+        return !moves_a_parameter(read.list.back().source.score, controller);
+      });
     } catch (const NothingPlayed& error) {
       read.remarks.push_back(played[p].channels.empty()
                                  ? fmt::format("{}: MIDI: no note is on {}, which {} plays", score,
@@ -201,15 +210,18 @@ double full_scale_of(const Score& score, const PlayOptions& how) {
   return (score.ears.empty() ? KeyboardParameter::kOutputs : KeyboardParameter::kPressureOutputs)[0].full_scale;
 }
 
-void add_part(Performance& sum, const Performance& part, double full_scale) {
+void add_part(Performance& sum, const Performance& part, double full_scale, std::span<const MixGains> mix) {
   const auto channels = static_cast<std::size_t>(sum.channels), of_part = static_cast<std::size_t>(part.channels);
   const std::size_t before = sum.samples.size() / channels, frames = part.samples.size() / of_part,
                     all = std::max(before, frames);
   sum.samples.resize(all * channels);
-  for (std::size_t n = 0; n < frames; ++n)
+  MixGlide glide(mix, part.sample_rate_hz);
+  for (std::size_t n = 0; n < frames; ++n) {
+    const auto [left, right] = glide.next();
     for (std::size_t side = 0; side < channels; ++side)
-      sum.samples[n * channels + side] +=
-          static_cast<float>(part.samples[n * of_part + std::min(side, of_part - 1)] / full_scale);
+      sum.samples[n * channels + side] += static_cast<float>(part.samples[n * of_part + std::min(side, of_part - 1)] *
+                                                             (side == 0 ? left : right) / full_scale);
+  }
   sum.force_n = forces_over(sum.force_n, before, all);
   const std::vector<float> added = forces_over(part.force_n, frames, all);
   for (std::size_t i = 0; i < kColumns; ++i) sum.force_n[i] = std::max(sum.force_n[i], added[i]);

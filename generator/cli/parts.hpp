@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "generator/cli/inputs.hpp"
+#include "generator/cli/midi_mix.hpp"
 #include "generator/player/score_player.hpp"
 
 namespace contactspline {
@@ -34,6 +35,7 @@ struct Parts {
 struct PartSource {
   std::string name;  ///< of its instrument
   ScoreSource source;
+  std::vector<MixGains> mix = {};  ///< of several parts
 };
 
 struct PartSources {
@@ -52,8 +54,8 @@ struct PartSources {
 /// What a host plays as 1: of several parts each sounds as loud as in a host.
 [[nodiscard]] double full_scale_of(const Score& score, const PlayOptions& how);
 
-/// Adds a part, its samples divided by its full scale, to others at the same rate. A part of one channel is on both
-/// sides of a sum of two.
-void add_part(Performance& sum, const Performance& part, double full_scale);
+/// Adds a part, its samples divided by its full scale and mixed, to others at the same rate. A part of one channel is
+/// on both sides of a sum of two.
+void add_part(Performance& sum, const Performance& part, double full_scale, std::span<const MixGains> mix);
 
 }  // namespace contactspline

@@ -121,7 +121,15 @@ struct PlayedPart {
   std::string name;  ///< of the instrument, of several parts
   Score score;
   PlayOptions how;
+  std::vector<MixGains> mix = {};
 };
+
+// 2 where its sides differ, by itself or as it is mixed.
+int channels_of(const PlayedPart& part) {
+  const bool is_aside =
+      std::ranges::any_of(part.mix, [](const MixGains& gains) { return gains.left != gains.right; });
+  return is_aside ? 2 : channels_of(part.score);
+}
 
 // What plays a score: an instrument or a keyboard by its name, or a model.
 std::string player_of(const Score& score) {
@@ -257,13 +265,13 @@ Prepared prepare(std::optional<Model> model, const ScoreOptions& given) {
   std::vector<std::filesystem::path> files;
   int channels = 1;
   if (options.output.sound.empty()) options.output.sound = default_sound(given.score);
-  for (auto& [name, source] : sources.list) {
-    PlayedPart& part = parts.emplace_back(PlayedPart{std::move(name), std::move(source.score), {0}});
+  for (auto& [name, source, mix] : sources.list) {
+    PlayedPart& part = parts.emplace_back(PlayedPart{std::move(name), std::move(source.score), {0}, std::move(mix)});
     if (!options.output.level_db) options.output.level_db = part.score.level_db;
     if (!options.output.oversampling) options.output.oversampling = part.score.oversampling;
     require_model(options, part.score, model);
     require_short(options.score + ": duration_s", part.score.duration_s, options.output.model_rate_hz());
-    channels = std::max(channels, channels_of(part.score));
+    channels = std::max(channels, channels_of(part));
     std::ranges::move(source.files, std::back_inserter(files));
   }
   stems = stems_of(options, parts);
@@ -314,14 +322,14 @@ Performance play_part(const ScoreOptions& options, PlayedPart& part, const Progr
 Performance play_parts(const ScoreOptions& options, std::vector<PlayedPart>& parts) {
   if (parts.size() == 1) return play_part(options, parts[0], show_progress);
   Performance sum{static_cast<double>(options.output.sample_rate_hz), 1, {}, {}, 0, 0};
-  for (const PlayedPart& part : parts) sum.channels = std::max(sum.channels, channels_of(part.score));
+  for (const PlayedPart& part : parts) sum.channels = std::max(sum.channels, channels_of(part));
   for (std::size_t p = 0; p < parts.size(); ++p)
     add_part(sum,
              play_part(options, parts[p],
                        [&](double done) {
                          show_progress((static_cast<double>(p) + done) / static_cast<double>(parts.size()));
                        }),
-             scale_in(parts, parts[p]));
+             scale_in(parts, parts[p]), parts[p].mix);
   return sum;
 }
 

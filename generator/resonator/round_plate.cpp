@@ -49,8 +49,8 @@ double characteristic(PlateRim rim, double poisson, int order, double x) {
   return j.first * i.second - j.second * i.first;
 }
 
-// Root i = 1, 2, ... of the characteristic equation. Roots of an order lie about pi apart, the lowest above m, or above
-// 2.9 for m = 0 and 1. Each is found once.
+// Root i = 1, 2, ... of the characteristic equation. Roots of an order lie about pi apart, the lowest above m, or
+// above 2.9 for m = 0 and 1. Each is found once.
 double root_of(PlateRim rim, double poisson, int order, int i) {
   thread_local std::map<std::tuple<PlateRim, double, int>, std::vector<double>> found;
   std::vector<double>& roots = found[{rim, poisson, order}];
@@ -64,8 +64,8 @@ double root_of(PlateRim rim, double poisson, int order, int i) {
       right += kStep, at_right = f(right);
     }
     std::uintmax_t steps = 100;
-    const auto [low, high] = boost::math::tools::toms748_solve(
-        f, left, right, at_left, at_right, boost::math::tools::eps_tolerance<double>(52), steps);
+    const auto [low, high] = boost::math::tools::toms748_solve(f, left, right, at_left, at_right,
+                                                               boost::math::tools::eps_tolerance<double>(52), steps);
     roots.push_back((low + high) / 2);
   }
   return roots[static_cast<std::size_t>(i) - 1];
@@ -158,9 +158,9 @@ double coupling(const Sampled& airy, const Sampled& f, const Sampled& g, const Q
   const double of_cos = (difference + sum) / 2, of_sin = (difference - sum) / 2;
   double integral = 0;
   for (std::size_t p = 0; p < rule.points.size(); ++p)
-    integral += rule.weights[p] * rule.points[p] * airy.values[p] *
-                (of_cos * (f.seconds[p] * g.turns[p] + g.seconds[p] * f.turns[p]) -
-                 2 * of_sin * f.twists[p] * g.twists[p]);
+    integral +=
+        rule.weights[p] * rule.points[p] * airy.values[p] *
+        (of_cos * (f.seconds[p] * g.turns[p] + g.seconds[p] * f.turns[p]) - 2 * of_sin * f.twists[p] * g.twists[p]);
   return integral;
 }
 

@@ -50,8 +50,8 @@ struct RoundPlateMode {
 };
 
 /// How a plate stretches by von Karman's equations, one form for each of the `count` lowest Airy functions that are
-/// symmetric about the angle 0. The rim is free in the plane of the plate, so the Airy functions are the shapes P_k of
-/// a clamped plate with the wavenumbers zeta_k. The displacement w stores
+/// symmetric about the angle 0. The rim is free in the plane of the plate, so the Airy functions are the shapes P_k
+/// of a clamped plate with the wavenumbers zeta_k. The displacement w stores
 ///
 ///     E h/8 sum over k of (integral of P_k L(w, w))^2/(zeta_k^4 integral of P_k^2)
 ///
@@ -60,8 +60,8 @@ struct RoundPlateMode {
 [[nodiscard]] std::vector<StretchForm> stretch_forms(const RoundPlate& plate, std::span<const RoundPlateMode> modes,
                                                      std::size_t count);
 
-/// The least share of the energy by which one of the lowest `modes` modes alone stretches that the `count` lowest Airy
-/// functions hold, of what 400 hold; 0 to 1.
+/// The least share of the energy by which one of the lowest `modes` modes alone stretches that the `count` lowest
+/// Airy functions hold, of what 400 hold; 0 to 1.
 [[nodiscard]] double kept_of_stretching(const RoundPlate& plate, std::size_t modes, std::size_t count);
 
 }  // namespace contactspline

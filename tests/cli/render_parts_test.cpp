@@ -137,6 +137,34 @@ TEST_F(RenderParts, AddUpWhatEachPlaysAlone) {
   EXPECT_TRUE(sequences_within<double>(mix.samples, sum, 1e-6 * mix.peak()));
 }
 
+// By volume and expression, (80/100)^2 (100/127)^2, and pan: hard left, sqrt 2 times.
+TEST_F(RenderParts, AreMixedByTheirControllers) {
+  using namespace midi;
+  const auto song_with = [&](const Events& mixed) {
+    return file(track(followed_by(mixed, {{0, on(60)}, {0, on(60, 90, 1)}, {300, off(60)}, {300, off(60, 1)}})));
+  };
+  const auto played = [&](const Events& mixed) {
+    write_file(box_ / "mixed.mid", song_with(mixed));
+    const Outcome outcome = render("1=probe.json,2=second.json", {}, "mixed.mid");
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return read_sound(box_ / "a.wav");
+  };
+  const Sound plain = played({});
+  ASSERT_EQ(plain.channels, 1);
+  const Sound softer = played({{0, controller(7, 80)}, {0, controller(11, 100)}, {0, controller(7, 0, 1)}});
+  const Sound aside = played({{0, controller(10, 0)}, {0, controller(7, 0, 1)}});
+  const Sound alone = played({{0, controller(7, 0, 1)}});
+  ASSERT_EQ(aside.channels, 2);
+  ASSERT_EQ(aside.samples.size(), 2 * alone.samples.size());
+  const double gain = std::pow(0.8 * 100 / 127, 2);
+  for (std::size_t n = 0; n < alone.samples.size(); ++n) {
+    ASSERT_NEAR(softer.samples[n], gain * alone.samples[n], 1e-6 * alone.peak());
+    ASSERT_NEAR(aside.samples[2 * n], std::numbers::sqrt2 * alone.samples[n], 1e-6 * alone.peak());
+    ASSERT_NEAR(aside.samples[2 * n + 1], 0, 1e-6 * alone.peak());
+    ASSERT_NEAR(plain.samples[n], 2 * alone.samples[n], 1e-6 * plain.peak());
+  }
+}
+
 // Of the tuning, which is of no channel, every part hears: 30 cents, 8192 for 100. The string's own pitch is that of
 // its file.
 TEST_F(RenderParts, PlayTheKeysOfTheirChannels) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Circular plates: frequencies of tables, shapes by Rayleigh's quotient, and the energy of stretching against polynomial
-// Airy functions.
+// Circular plates: frequencies of tables, shapes by Rayleigh's quotient, and the energy of stretching against
+// polynomial Airy functions.
 #include "generator/resonator/round_plate.hpp"
 
 #include <gtest/gtest.h>
@@ -34,10 +34,11 @@ struct TableRow {
   double squares[3];  // (beta R)^2
 };
 
-// A. W. Leissa, Vibration of Plates, NASA SP-160, 1969, tables 2.1 (clamped) and 2.5 (free, Poisson's ratio 0.33). The
-// second has three or four digits.
+// A. W. Leissa, Vibration of Plates, NASA SP-160, 1969, tables 2.1 (clamped) and 2.5 (free, Poisson's ratio 0.33).
+// The second has three or four digits.
 TEST(RoundPlate, FrequenciesAreThoseOfTables) {
-  const TableRow clamped[] = {{0, {10.2158, 39.771, 89.104}}, {1, {21.26, 60.82, 120.08}}, {2, {34.88, 84.58, 153.81}}};
+  const TableRow clamped[] = {
+      {0, {10.2158, 39.771, 89.104}}, {1, {21.26, 60.82, 120.08}}, {2, {34.88, 84.58, 153.81}}};
   for (const auto& [order, squares] : clamped)
     for (int i = 1; i <= 3; ++i)
       EXPECT_TRUE(within(square_root_of(PlateRim::kClamped, order, i), squares[i - 1], 0.01)) << order << ' ' << i;
@@ -84,7 +85,8 @@ class Displacement {
   [[nodiscard]] Curvatures curvatures(double x, double y) const {
     constexpr double h = 2e-4 * kRadius;
     const double middle = at(x, y);
-    return {(at(x + h, y) - 2 * middle + at(x - h, y)) / (h * h), (at(x, y + h) - 2 * middle + at(x, y - h)) / (h * h),
+    return {(at(x + h, y) - 2 * middle + at(x - h, y)) / (h * h),
+            (at(x, y + h) - 2 * middle + at(x, y - h)) / (h * h),
             (at(x + h, y + h) - at(x + h, y - h) - at(x - h, y + h) + at(x - h, y - h)) / (4 * h * h)};
   }
 
@@ -137,8 +139,8 @@ struct Polynomial {
   }
 };
 
-// The stress function F minimises the integral of (laplacian F)^2/2 + F E L(w, w)/2; the least value is minus the energy
-// over thickness and modulus. Among polynomials, which are complete, too.
+// The stress function F minimises the integral of (laplacian F)^2/2 + F E L(w, w)/2; the least value is minus the
+// energy over thickness and modulus. Among polynomials, which are complete, too.
 double energy_by_polynomials(const Displacement& w) {
   std::vector<Polynomial> basis;
   for (int order = 0; order <= 10; ++order)
@@ -174,8 +176,8 @@ double energy_of(const std::vector<StretchForm>& forms, const std::vector<double
   return energy;
 }
 
-// The differences are those of the curvatures, (h beta)^2/12 with h beta up to 2e-3, and the Airy functions above the 400
-// lowest.
+// The differences are those of the curvatures, (h beta)^2/12 with h beta up to 2e-3, and the Airy functions above the
+// 400 lowest.
 TEST(RoundPlate, StretchesWithTheEnergyOfPolynomialStressFunctions) {
   for (const PlateRim rim : {PlateRim::kFree, PlateRim::kClamped}) {
     const RoundPlate plate = plate_with(rim);

@@ -16,9 +16,9 @@
 
 namespace contactspline::detail {
 
-/// The squares and products of a form with products as a symmetric matrix. Rows that follow each other and have numbers
-/// in the same columns share a block, so that the fewest blocks are there where modes that couple alike follow each
-/// other.
+/// The squares and products of a form with products as a symmetric matrix. Rows that follow each other and have
+/// numbers in the same columns share a block, so that the fewest blocks are there where modes that couple alike
+/// follow each other.
 template <std::floating_point T>
 class FormMatrix {
  public:
