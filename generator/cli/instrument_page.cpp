@@ -27,15 +27,15 @@ std::string range_text(std::vector<double> numbers) {
 }
 
 // A string or a membrane by its stiffness, a circular plate by its Airy functions and what they leave out.
-std::string stretch_row(const InstrumentBody& body) {
+std::string stretch_row(const InstrumentBody& body, std::size_t modes) {
   if (body.airy_functions == 0)
     return body.stretches() ? fmt::format(", stretches with {:.6g} J", body.stretch_j) : "";
-  constexpr std::size_t kLowest = 10;
-  const double kept = kept_of_stretching(std::get<RoundPlate>(body.resonator.body), kLowest, body.airy_functions);
+  const std::size_t lowest = std::min<std::size_t>(10, modes);
+  const double kept = kept_of_stretching(std::get<RoundPlate>(body.resonator.body), lowest, body.airy_functions);
   return fmt::format(
       ", stretches by {} Airy functions, which hold {:.3g} % or more of the energy of each of its {} "
       "lowest modes",
-      body.airy_functions, 100 * kept, kLowest);
+      body.airy_functions, 100 * kept, lowest);
 }
 
 std::string body_row(const InstrumentBody& body, double sample_rate_hz) {
@@ -47,7 +47,7 @@ std::string body_row(const InstrumentBody& body, double sample_rate_hz) {
     return mode.mode.angular_frequency_rad_per_s / (2 * std::numbers::pi);
   };
   return fmt::format("{} modes from {:.6g} to {:.6g} Hz{}", modes.size(), hz(modes.front()), hz(modes.back()),
-                     stretch_row(body));
+                     stretch_row(body, modes.size()));
 }
 
 // Of the diameter or radius on which a point lies, as position_of counts it [rad].

@@ -173,13 +173,14 @@ void add_cpp_forms(const InstrumentArrays& arrays, std::string& text, std::vecto
                       return fmt::format("{{{}, {}, {}}}", form.body, literal(form.stiffness_j), form.products);
                     }) + "}");
   text += cpp_numbers("stretch_squares", arrays.stretch_squares);
+  view[10] = "stretch_forms";
+  view[11] = "stretch_squares";
+  if (arrays.stretch_products.empty()) return;
   text += cpp_array(
       "StretchForm::Product", arrays.stretch_products.size(), "stretch_products",
       "{\n" + rows_of(arrays.stretch_products, "        ", [](const StretchForm::Product& product, std::size_t) {
         return fmt::format("{{{}, {}, {}}}", product.first, product.second, literal(product.factor_per_m2));
       }) + "}");
-  view[10] = "stretch_forms";
-  view[11] = "stretch_squares";
   view[12] = "stretch_products";
 }
 

@@ -13,6 +13,7 @@ namespace contactspline {
 namespace {
 
 constexpr int kMaxAiryFunctions = 64;
+constexpr int kMaxStretchingModes = 400;  // of a plate: each form couples each mode with many
 constexpr Range kCoreDiameter{1e-5, 0.1}, kHeadThickness{1e-6, 0.1}, kPoisson{-0.999, 0.999};
 
 /// Reads bodies, then places on them.
@@ -104,6 +105,9 @@ class BodyReader {
     } else if (std::holds_alternative<RoundPlate>(read.resonator.body)) {
       const JsonObject stretch = object({"airy_functions"}, R"({ "airy_functions": 20 })");
       read.airy_functions = static_cast<std::size_t>(stretch.integer("airy_functions", 1, kMaxAiryFunctions));
+      if (read.resonator.max_modes > kMaxStretchingModes)
+        body.fail(body.key("max_modes"), "is missing or too large beside `stretch` of a round_plate",
+                  fmt::format("1 to {}, such as 64", kMaxStretchingModes));
     } else {
       body.fail(body.key("stretch"), fmt::format("is not for a body of the kind '{}'", kind_of(read)),
                 "beside a string, a membrane or a round_plate");

@@ -126,7 +126,9 @@ std::vector<NumberedMode> numbered_below(const Plate& plate, double limit, std::
 // The lowest mode of the orders 0 and 1 with a free rim is above that of order 2. Where the losses take all modes
 // below a root, as many more are sought. Bessel's functions have numbers up to 700.
 std::vector<NumberedMode> numbered_below(const RoundPlate& plate, double limit, std::size_t max) {
-  const double silent = std::sqrt(plate.losses.constant_per_s / frequency_at(plate, 1));  // w0 rises with root^2
+  const double rises = frequency_at(plate, 1);  // w0 and the quadratic loss with root^2
+  const double damped = plate.losses.quadratic_m2_per_s / (plate.radius_m * plate.radius_m);
+  const double silent = rises > damped ? std::sqrt(plate.losses.constant_per_s / (rises - damped)) : 0;
   const double end = std::min(600.0, root_above(max + 1) + silent);
   limit = std::min(limit, frequency_at(plate, end));
   const auto undamped_at = [&](int order, int i) { return undamped_mode(plate, order, i); };

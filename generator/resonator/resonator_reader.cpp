@@ -140,6 +140,11 @@ std::vector<Rib> read_ribs(const JsonObject& body, const Plate& plate) {
   return ribs;
 }
 
+[[noreturn]] void refuse_critical_loss(const JsonObject& plate, const Losses& losses, double critical) {
+  plate.fail(plate.key("quadratic_loss_m2_per_s"), fmt::format("{} is critical", losses.quadratic_m2_per_s),
+             fmt::format("less than {:.4g}, with which no mode would sound", critical));
+}
+
 // Without the second modulus the material is isotropic: G = E/(2 (1 + nu)).
 Plate read_plate(const JsonObject& body) {
   Plate plate{body.number("length_m", kLength),
@@ -168,9 +173,7 @@ Plate read_plate(const JsonObject& body) {
     body.fail(body.key("poisson_ratio"), fmt::format("{} needs a larger shear modulus", plate.poisson_ratio),
               "frequencies that rise with both mode numbers: poisson_ratio D_across + G thickness^3/6 >= 0");
   const double critical = std::sqrt(softest(along, across, mixed) / (plate.density_kg_m3 * plate.thickness_m));
-  if (!(plate.losses.quadratic_m2_per_s < critical))
-    body.fail(body.key("quadratic_loss_m2_per_s"), fmt::format("{} is critical", plate.losses.quadratic_m2_per_s),
-              fmt::format("less than {:.4g}, with which no mode would sound", critical));
+  if (!(plate.losses.quadratic_m2_per_s < critical)) refuse_critical_loss(body, plate.losses, critical);
   if (body.has("ribs")) plate.ribbed = std::make_shared<const RibbedPlate>(plate, read_ribs(body, plate));
   return plate;
 }
@@ -182,6 +185,8 @@ RoundPlate read_round_plate(const JsonObject& body) {
                    body.number("youngs_modulus_pa", ranges::kModulus),
                    body.number("poisson_ratio", kRoundPoisson),
                    read_losses(body)};
+  if (const double critical = frequency_at(plate, plate.radius_m); !(plate.losses.quadratic_m2_per_s < critical))
+    refuse_critical_loss(body, plate.losses, critical);
   if (!body.has("rim")) return plate;
   constexpr const char* kAllowed = "free or clamped";
   const std::string rim = body.text("rim", kAllowed);
@@ -295,7 +300,7 @@ ListeningPlace read_listening_place(const JsonObject& object) {
 void check_radiation(const Resonator& resonator, std::string_view file, std::string_view key) {
   if (!radiates(resonator.body))
     refuse(file, key, fmt::format("names a body of the kind '{}'", name_of(resonator.body)),
-           "a plate or a membrane, whose shapes are known everywhere");
+           "a plate, a round_plate or a membrane, whose shapes are known everywhere");
   const auto* plate = std::get_if<Plate>(&resonator.body);
   const double extent_m =
       plate != nullptr ? std::max(plate->length_m, plate->width_m) : 2 * extent_of(resonator.body);

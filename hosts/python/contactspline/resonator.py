@@ -16,7 +16,7 @@ from .source import source_of
 
 
 class Resonator:
-    """The modes of a string, bar, membrane or plate that a simulation at a sample rate keeps, by rising frequency.
+    """The modes of a string, bar, membrane, plate or round plate that a simulation at a sample rate keeps, by rising frequency.
 
     source: the name of one that ships, the path of a resonator file, or a dict with the keys of such a file. Raises
     Error with the line that the program prints.

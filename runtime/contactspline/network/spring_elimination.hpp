@@ -166,7 +166,8 @@ class SpringElimination {
     for (const std::size_t s : springs_) is_eliminated_[s] = true;
     for (std::size_t i = 0; i < range_.size(); ++i) {
       eliminate_from(i, admittance);
-      for (std::size_t j = 0; j <= i && !is_eliminated_[i]; ++j)
+      if (is_eliminated_[i]) continue;
+      for (std::size_t j = 0; j <= i; ++j)
         if (!is_eliminated_[j]) admittance_(i, j) = admittance_(j, i) = beside_springs(i, j, admittance);
     }
   }
@@ -189,7 +190,7 @@ class SpringElimination {
       }
   }
 
-  // Row i of W, which is that of no spring, and the springs that move connection i.
+  // The springs that move connection i, and row i of W, which nobody reads of a spring.
   void eliminate_from(std::size_t i, const ColumnMatrix<double>& admittance) {
     const std::size_t m = springs_.size();
     double* w = exact_rows_.column(i);

@@ -226,7 +226,7 @@ HWY_INLINE void advance_stretching_here(const ModalArrays<Sample>& arrays, const
   sums[3] = hn::GetLane(hn::SumOfLanes(tag, by_motion));
 }
 
-/// Vectors that hold kRowsTogether rows or fewer: one, two or four of them.
+/// In as many vectors as kRowsTogether rows fill.
 HWY_INLINE void multiply_form_here(const FormBlocks<Sample>& matrix, const Sample* q, Sample* product) {
   const hn::CappedTag<Sample, kRowsTogether> tag;
   constexpr std::size_t kLanes = hn::MaxLanes(tag), kVectors = kRowsTogether / kLanes;
