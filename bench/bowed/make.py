@@ -21,7 +21,6 @@ PROGRAM is contactspline. RECORDINGS holds SOURCE/KEY.wav, notes that are held, 
 for notes that were fitted and for those that were kept, and between the recordings themselves. It needs Debian's
 python3-numpy and python3-scipy.
 """
-import glob
 import json
 import math
 import os
@@ -31,10 +30,11 @@ import sys
 import tempfile
 
 import numpy as np
-from scipy.io import wavfile
 from scipy.optimize import least_squares
 
-RATE = 44100
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from notes import RATE, read, recorded, rounded, text_of  # noqa: E402
+
 BOW = 0.12
 ABOVE = 15  # semitones from the highest string up, over which keys tune it
 SPACING, LOSS, ADMITTANCE, TOP, PULL, TRIALS = 1.12, 0.04, 0.015, 12000, 0.3, 6
@@ -65,10 +65,6 @@ HEADER = """\
 
 def hz(key):
     return 440 * 2 ** ((key - 69) / 12)
-
-
-def rounded(x, digits=5):
-    return float(f"{x:.{digits}g}")
 
 
 def modes(rows):
@@ -139,30 +135,13 @@ def instrument_of(kind, wood):
 
 
 def written(kind, file):
-    """The text of a file, with a line for each row."""
-    lines = []
-    for key, value in file.items():
-        if isinstance(value, list) and value and isinstance(value[0], dict):
-            rows = ",\n".join("    " + json.dumps(row) for row in value)
-            lines.append(f'  "{key}": [\n{rows}\n  ]')
-        else:
-            lines.append(f'  "{key}": {json.dumps(value)}')
-    text = "{\n" + ",\n".join(lines) + "\n}\n"
-    text = re.sub(r' ?(\{"frequency_hz)', r"\n        \1", text)
-    return INSTRUMENTS[kind]["about"] + HEADER + re.sub(r"\{(?=\S)", "{ ", re.sub(r"(?<=\S)\}", " }", text))
+    """The text of a file."""
+    return INSTRUMENTS[kind]["about"] + HEADER + text_of(file)
 
 
-def read(path):
-    rate, sound = wavfile.read(path)
-    assert rate == RATE, path
-    sound = sound.astype(float)
-    return sound if sound.ndim == 1 else sound.mean(1)
-
-
-def recorded(folder):
-    """Sounds by source and key."""
-    return {(os.path.basename(os.path.dirname(path)), int(os.path.basename(path)[:-4])): read(path)
-            for path in sorted(glob.glob(f"{folder}/*/*.wav"))}
+def held(folder):
+    """Recorded sounds by source and key."""
+    return {(source, int(note)): sound for (source, note), sound in recorded(folder).items()}
 
 
 def rendered(program, file, keys, signal):
@@ -233,7 +212,7 @@ def write(kind, wood, path):
 def fit(program, kind, folder, path):
     keys = [(row[1], row[1]) for row in INSTRUMENTS[kind]["strings"]]
     lowest, highest = keys[0][0], keys[-1][0] + ABOVE
-    sounds = {at: sound for at, sound in recorded(folder).items() if lowest <= at[1] <= highest}
+    sounds = {at: sound for at, sound in held(folder).items() if lowest <= at[1] <= highest}
     write(kind, [1] * len(body_of(kind)), path)
     forces = rendered(program, path, sorted({key for _, key in sounds}), "bridge")
     write(kind, fit_wood(kind, sounds, forces), path)
@@ -248,7 +227,7 @@ def apart(a, b):
 def distance(program, path, folder):
     with open(path, encoding="utf-8") as file:
         keys = json.loads(re.sub(r"^//.*$", "", file.read(), flags=re.M))["keys"]
-    sounds = {at: sound for at, sound in recorded(folder).items() if keys[0]["first"] <= at[1] <= keys[-1]["last"]}
+    sounds = {at: sound for at, sound in held(folder).items() if keys[0]["first"] <= at[1] <= keys[-1]["last"]}
     ours = {key: levels(sound, key) for key, sound in rendered(program, path, sorted({k for _, k in sounds}), "wood").items()}
     theirs = {at: levels(sound, at[1]) for at, sound in sounds.items()}
     sources = sorted({source for source, _ in sounds})
