@@ -20,13 +20,11 @@
 #include "contactspline/instruments/slap_bass.hpp"
 #include "contactspline/instruments/snare.hpp"
 #include "contactspline/instruments/tanpura.hpp"
-#include "contactspline/instruments/tom.hpp"
 #include "contactspline/instruments/trichord_c4.hpp"
 #include "marimba_tube_double.hpp"
 #include "prepared_piano_double.hpp"
 #include "support/compare.hpp"
 #include "support/real_time.hpp"
-#include "tom_double.hpp"
 #include "trichord_c4_double.hpp"
 
 namespace contactspline::testing {
@@ -353,8 +351,6 @@ TEST(FaustInstrument, OfBodiesOnSpringsIsTheClass) {
       10000, {{100, "pluck_finger", 1}, {5000, "hand_damping_per_s", 20}});
   expect_same_sound<instruments::marimba_tube<double>, marimba_tube_double>(
       10000, {{0, "air_stiffness_n_per_m", 2000}, {100, "strike_mallet", 1}});
-  expect_same_sound<instruments::tom<double>, tom_double>(
-      10000, {{100, "strike_stick", 1}, {5000, "hand_damping_per_s", 20}});
 }
 
 template <typename Dsp>
