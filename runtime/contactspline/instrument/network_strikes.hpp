@@ -72,7 +72,7 @@ class NetworkStrikes {
     double energy = 0;
     for (std::size_t s = 0; s < sides_.size(); ++s) {
       const ModalBank<T>& mass = network.body(masses_[s]);
-      if (static_cast<T>(sides_[s]) * mass.velocity(whole_mass_) < 0) energy += mass.energy();
+      if (static_cast<T>(sides_[s]) * mass.velocity(whole_mass_) < 0) energy += network.energy(masses_[s]);
     }
     return energy;
   }

@@ -269,6 +269,9 @@ class ContactNetwork {
     return energy;
   }
 
+  /// What it counts of one body [J].
+  [[nodiscard]] double energy(std::size_t body) const { return parts_.bodies[body].energy(); }
+
   /// The kinetic part of it [J]: 0 at rest, also where connections press or pull.
   [[nodiscard]] double kinetic_energy() const {
     double energy = 0;
