@@ -6,8 +6,8 @@
     make.py distance PROGRAM FILE FITTED KEPT
 
 PROGRAM is contactspline. RECORDINGS, FITTED and KEPT hold SOURCE/LAYER.wav, single strokes at 44.1 kHz; LAYER is soft, loud, or
-one where a source has no layers. `fit` writes FILE: what DRUMS calls `published` stays, and what it calls `fitted`, with the
-range of each, is searched (Nelder and Mead, from what it calls `begin`) for the least mean over the drums of
+one where a source has no layers. `fit` writes FILE: what DRUMS calls `fitted`, with the range of each, is searched (Nelder and
+Mead, from what it calls `begin`, where coarser searches ended) for the least mean over the drums of
 
     DISTANCE + t60 times |log2 of the ratio of T60| by octave, at most 2, + BANDS times |difference of octaves|, 50 to 350 ms
     + glide times |difference of the falls of pitch|, in cents: of toms only, as the strongest partial of a snare drum changes
@@ -16,8 +16,13 @@ SPEEDS are those of the stick; a single stroke counts as loud.
 
 DISTANCE is the mean difference of log-mel spectrograms: 48 bands from 60 Hz to 16 kHz, each stroke of the same A-weighted
 loudness, down to 60 dB below the recording's largest value. T60 by octave from 125 Hz to 8 kHz is that of the first 20 dB, of
-both sounds cut to the length of the shorter.
-The fall of pitch is that of the strongest partial from 50 to 250 ms after the stroke.
+both sounds cut to the length of the shorter. The fall of pitch is that of the strongest
+partial from 50 to 250 ms after the stroke.
+
+Fitted: Sonic Pi's drum_tom_lo, _mid, _hi and drum_snare, soft and hard (Debian's sonic-pi-samples, CC0); of FluidR3 GM
+(fluid-soundfont-gm, MIT) the toms of keys 45 and 47 of Standard and 45 of Power, the snares of keys 38 and 40 of Standard and
+Standard 1. Kept: toms and snares of Black Pearl and Red Zeppelin (avldrums.lv2-soundfont), ForzeeStereo, Millo, BJA and Colombo
+(hydrogen-drumkits), whose licences ask for the same licence.
 
 `distance` prints the medians over pairs of ours and a recorded drum of these, for recordings that were fitted and that were
 kept, and of pairs of recorded drums.
