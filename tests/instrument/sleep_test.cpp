@@ -46,7 +46,7 @@ using Drums = ::testing::Types<instruments::tom<float>, instruments::tom<double>
                                instruments::marimba_tube<double>>;
 TYPED_TEST_SUITE(InstrumentOfAFile, Drums);
 
-// It decays by 27 decades of energy in less than 6 s; its mallets fly away.
+// It decays by 22 decades of energy in less than 6 s; its mallets fly away.
 TYPED_TEST(InstrumentOfAFile, FallsExactlySilentAndWakes) {
   Hosted<typename TypeParam::value_type> hosted(handle_of<TypeParam>());
   hosted.prepare(kRate);

@@ -132,7 +132,7 @@ class Replaceable final : public AnyInstrument<T> {
  private:
   static constexpr std::size_t kBlock = 64;  // samples
   static constexpr std::size_t kNone = ~std::size_t(0);
-  static constexpr double kSilent_J = 1e-30;  // as Sleeper has it
+  static constexpr double kSilent_J = 1e-24;  // as Sleeper has it
 
   // Where the rows of a list stand in another one, by name.
   template <typename Row>

@@ -71,9 +71,9 @@ class Sleeper {
 
  private:
   static constexpr std::size_t kBlock = 256;  // samples
-  // 160 dB below what models themselves take for silent. Without an end the smallest numbers go round for ever: the
-  // losses of a sample are flushed to 0.
-  static constexpr double kInaudible_J = 1e-30;
+  // 100 dB below what models themselves take for silent. Without an end the smallest numbers go round for ever: the
+  // losses of a sample are flushed to 0, and rounding keeps 5e-28 J of a tom that stretches in single precision.
+  static constexpr double kInaudible_J = 1e-24;
   // Part of full scale that counts as silent: a mass that rests away from 0 has no energy, but an output.
   static constexpr double kInaudible = 1e-9;
   // An instrument rests under a load if in kStillBlocks blocks in a row its outputs stay within kStill of full scale,
@@ -112,7 +112,14 @@ class Sleeper {
     } else {
       if (!are_still(outputs) || !instrument_->is_at_rest(kStill_J)) still_blocks_ = 0;
       is_asleep_ = still_blocks_ == kStillBlocks;
+      if (is_asleep_ && instrument_->is_silent(kStill_J)) silence_faint_levels();
     }
+  }
+
+  // What bears no load and is still has faded.
+  void silence_faint_levels() {
+    for (std::size_t o = 0; o < levels_.size(); ++o)
+      if (std::abs(levels_[o].now) <= static_cast<T>(kStill * full_scale(o))) levels_[o].now = 0;
   }
 
   // Have all outputs stayed where they are, with those of the last block? Counts the blocks.
