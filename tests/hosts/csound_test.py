@@ -78,7 +78,7 @@ endin
         os.chdir(EXAMPLES / "csound")
         for name, notes in [("piano", [(1.6, hz(38, 45, 54, 61, 64, 78)), (13.3, hz(38, 45, 54, 57, 64, 69))]),
                             ("drone", [(0.2, hz(43)), (1.4, hz(48)), (3.2, hz(36))]),
-                            ("groove", [(9.3, [hz(43)[0], 91])])]:  # open G string, heads of the tom
+                            ("groove", [(9.3, [hz(55)[0], 91])])]:  # second partial of the open G string, heads of the tom
             run("csound", f"--opcode-lib={self.module}", "-o", f"{folder}/{name}.wav", f"{name}.csd")
             require_music(name, channels(f"{folder}/{name}.wav"), notes)
 
