@@ -872,7 +872,10 @@ class tom : public NetworkInstrument<T> {
         0.182478387, 0.174137222, 0.163979467, 0.157876939, 0.148252892, 0.143351558, 0.133612421,
         0.129584756, 0.119510642, 0.11612672, 0.105564619, 0.102500178, 0.09114545, 0.087874455, 0.074975652,
         0.070648164, 0.054065468, 0.047044154, 0.013673369, -0.002170292, 0.000745594, -0.000271509};
-    static constexpr std::array<double, 561> stretch_squares = {
+    static constexpr std::array<InstrumentForm, 2> stretch_forms = {{
+        {0, 39802.47655233, 0},
+        {1, 39802.47655233, 0}}};
+    static constexpr std::array<double, 560> stretch_squares = {
         67.10868873168, 51.27147160105, 65.50846002781, 151.8988819709, 77.96367565579, 95.4345525142,
         89.27728544699, 112.3321011319, 237.5875010305, 99.77377558822, 127.59749384, 109.6451868896,
         138.9287659763, 141.7070560264, 119.0167025005, 157.0485313789, 323.4942386032, 127.9755174924,
@@ -966,15 +969,13 @@ class tom : public NetworkInstrument<T> {
         231.7611219818, 212.6882527708, 175.7790226751, 251.0719388217, 262.9122033712, 244.7686370926,
         268.5749382935, 223.0748433297, 183.0268588137, 266.2219685755, 233.1772210391, 257.3419589154,
         280.22314426, 190.1188632062, 288.1938871358, 581.5734770942, 280.8008890215, 243.0237981622,
-        269.5326801028, 197.0675778726, 0.0};
-    static constexpr std::array<double, 3> stretch_stiffnesses = {
-        39802.47655233, 39802.47655233, 0.0};
+        269.5326801028, 197.0675778726};
 
     static constexpr InstrumentData view() {
       return {"tom", "drum with two heads that stretch and the air between them", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
               knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
               parameters, events, outputs,
-              {}, {}, {}, {}, {}, {}, 44100.0, pressure_paths, pressure_taps, {}, stretch_squares, stretch_stiffnesses};
+              {}, {}, {}, {}, {}, {}, 44100.0, pressure_paths, pressure_taps, {}, stretch_forms, stretch_squares};
     }
   };
 };
