@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "contactspline/data/pluck.hpp"
+#include "contactspline/midi/midi_meaning.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/material/named_file.hpp"
 #include "generator/player/drum_names.hpp"
@@ -45,10 +46,18 @@ std::string keys_in_words(const InstrumentModel& model) {
   return shown(fmt::format("keys {}", fmt::join(words, ", ")), 240);
 }
 
+constexpr int kDrumChannel = 9;  // counted from 0
+
+/// A voice and the channels whose notes it plays.
+struct MidiVoice {
+  Voice voice;
+  std::set<int> channels = {};
+};
+
 // The notes of a MIDI file and what it left out.
 struct MidiVoices {
-  std::map<std::pair<int, double>, Voice> by_channel;  ///< and the own tuning of its notes
-  std::map<int, std::size_t> beyond;                   ///< by key
+  std::map<std::pair<int, double>, MidiVoice> by_channel;  ///< and the own tuning of its notes
+  std::map<std::pair<int, bool>, std::size_t> beyond;      ///< by key, and whether it is one of the tenth channel
   double end_s = 0;
 };
 
@@ -57,7 +66,7 @@ MidiVoices midi_voices(const InstrumentModel& model, const MidiSong& song) {
   MidiVoices voices;
   for (const MidiNote& note : song.notes) {
     if (!plays_key(model, note.key)) {
-      ++voices.beyond[note.key];
+      ++voices.beyond[{note.key, note.channel == kDrumChannel}];
       continue;
     }
     const bool has_bends =
@@ -65,7 +74,9 @@ MidiVoices midi_voices(const InstrumentModel& model, const MidiSong& song) {
     const int channel = has_bends ? note.channel : -1;
     const bool bends_keys = model.keys.tune();  // otherwise as a whole
     const double cents = bends && !bends_keys ? note.cents : 0;
-    Voice& voice = voices.by_channel.try_emplace({channel, cents}, voice_of(model, 0)).first->second;
+    auto& [voice, played] =
+        voices.by_channel.try_emplace({channel, cents}, MidiVoice{voice_of(model, 0)}).first->second;
+    played.insert(note.channel);
     if (has_bends) voice.name = fmt::format("{}_channel_{}", model.name, channel + 1);
     if (cents != 0) voice.name += fmt::format("_{:+.6g}_cents", cents);
     voice.notes.push_back({note.time_s, note.key, note.velocity, note.key_hold_s, bends_keys ? note.cents : 0});
@@ -91,12 +102,14 @@ InstrumentModel with_keys(InstrumentModel model) {
   return model;
 }
 
-// The notes beyond the keys, if there are some. Of keys that tune nothing, those of drums, each is named.
-std::string beyond_in_words(const InstrumentModel& model, const std::map<int, std::size_t>& beyond) {
+// The notes beyond the keys, if there are some. Of keys that tune nothing each is named, on the channel of drums by
+// its drum.
+std::string beyond_in_words(const InstrumentModel& model, const std::map<std::pair<int, bool>, std::size_t>& beyond) {
   std::size_t notes = 0;
   std::vector<std::string> keys;
-  for (const auto& [key, count] : beyond) {
-    const std::string_view drum = drum_on(key);
+  for (const auto& [key_and_channel, count] : beyond) {
+    const auto& [key, is_of_drums] = key_and_channel;
+    const std::string_view drum = is_of_drums ? drum_on(key) : "";
     notes += count;
     keys.push_back(fmt::format("{}{}{} ({})", key, drum.empty() ? "" : " ", drum, count));
   }
@@ -125,16 +138,23 @@ MidiSettings settings_of(const InstrumentModel& model, const Tuning& tuning) {
   return tuning.is_given() ? tuned(settings, key_cents_of(model, tuning)) : settings;
 }
 
+// A program is the preset of that number, but for pedals and bends, on the channels that the voice plays.
+void add_programs(const InstrumentModel& model, const MidiSong& song, MidiVoice& played) {
+  for (const auto& [time_s, channels, program] : song.programs) {
+    const auto preset = static_cast<std::size_t>(program);
+    const bool is_heard =
+        std::ranges::any_of(channels, [&](int channel) { return played.channels.contains(channel); });
+    for (std::size_t p = 0; is_heard && preset < model.presets.size() && p < model.parameters.size(); ++p)
+      if (const ModelParameter& x = model.parameters[p]; !is_of_performance(x.name, x.controller))
+        played.voice.glides.push_back({time_s, x.glide_s, p, model.presets[preset].values[p]});
+  }
+}
+
 // The wheel of its channel, the sustain pedal, and what moves parameters, unless it is of another channel that has a
-// voice of its own. A program is the preset of that number.
+// voice of its own.
 void add_controllers(const InstrumentModel& model, const MidiSong& song, int channel, double cents,
                      const std::set<int>& with_voice, Voice& voice) {
   const auto is_heard = [&](int from) { return from == channel || !with_voice.contains(from); };
-  for (const MidiProgram& change : song.programs)
-    if (const auto preset = static_cast<std::size_t>(change.program);
-        is_heard(change.channel) && preset < model.presets.size())
-      for (std::size_t p = 0; p < model.parameters.size(); ++p)
-        voice.glides.push_back({change.time_s, model.parameters[p].glide_s, p, model.presets[preset].values[p]});
   if (cents != 0) voice.glides.push_back({0, 0, model.keys.bend, cents});
   for (const MidiBend& bend : song.bends)
     if (bend.channel == channel) voice.glides.push_back(glide_of(bend, model.keys.bend, cents));
@@ -253,8 +273,9 @@ Score parse_midi_on_instrument(std::string_view bytes, std::string_view file, st
                                const InstrumentModel& given, const Tuning& tuning) {
   const InstrumentModel model = with_keys(given);
   if (tuning.is_given() && model.keys.bend == kNoParameter) refuse_tuning(file);
-  constexpr int kDrums[] = {10};
-  const bool is_drum = channels.empty() && model.module == nullptr && !model.keys.tune();
+  constexpr int kDrums[] = {kDrumChannel + 1};
+  const bool is_drum =
+      channels.empty() && given.module == nullptr && !given.keys.ranges.empty() && !given.keys.tune();
   const MidiSong song =
       parse_midi(bytes, file, is_drum ? std::span<const int>(kDrums) : channels, settings_of(model, tuning));
   MidiVoices voices = midi_voices(model, song);
@@ -272,10 +293,11 @@ Score parse_midi_on_instrument(std::string_view bytes, std::string_view file, st
   if (!voices.beyond.empty()) left_out.push_back(beyond_in_words(model, voices.beyond));
   if (!left_out.empty()) score.left_out = fmt::format("{}: MIDI: {}", file, fmt::join(left_out, "; "));
   std::set<int> with_voice;
-  for (const auto& [channel_and_cents, voice] : voices.by_channel) with_voice.insert(channel_and_cents.first);
-  for (auto& [channel_and_cents, voice] : voices.by_channel) {
-    add_controllers(model, song, channel_and_cents.first, channel_and_cents.second, with_voice, voice);
-    score.voices.push_back(std::move(voice));
+  for (const auto& [channel_and_cents, played] : voices.by_channel) with_voice.insert(channel_and_cents.first);
+  for (auto& [channel_and_cents, played] : voices.by_channel) {
+    add_programs(model, song, played);
+    add_controllers(model, song, channel_and_cents.first, channel_and_cents.second, with_voice, played.voice);
+    score.voices.push_back(std::move(played.voice));
   }
   sort_by_time(score.voices);
   return score;

@@ -58,8 +58,7 @@ class SongRecorder {
         song_.moves.push_back({time_s_, event.channel, kPressureController, event.value, event.is_first});
         return;
       case Kind::kProgram:
-        song_.programs.push_back({time_s_, event.channel, event.number});
-        return;
+        return program(event);
     }
   }
 
@@ -90,6 +89,12 @@ class SongRecorder {
   void pedal(const MidiEvent& event) {
     if (event.value != std::exchange(positions_[midi_pedal(event.number)], event.value))
       song_.pedals.push_back({time_s_, event.number, event.value});
+  }
+
+  void program(const MidiEvent& event) {
+    MidiProgram& change = song_.programs.emplace_back(MidiProgram{time_s_, {event.channel}, event.number});
+    for (int member = 0; member < kChannels; ++member)
+      if (midi_.master_of(member) == event.channel) change.channels.insert(member);
   }
 
   // One instrument plays all channels: while another one sounds, the keys of this one are let go, and that is all.

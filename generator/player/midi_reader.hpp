@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -53,8 +54,8 @@ struct MidiMove {
 /// A channel changes its program.
 struct MidiProgram {
   double time_s;
-  int channel;  ///< 0 to 15
-  int program;  ///< 0 to 127
+  std::set<int> channels;  ///< 0 to 15: its own, and the members of an MPE zone whose first one it is
+  int program;             ///< 0 to 127
 };
 
 struct MidiSong {

@@ -16,6 +16,7 @@
 #include "generator/support/embedded_files.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
+#include "support/midi_files.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -129,11 +130,12 @@ TEST_F(KeysOnTheCommandLine, OfADrumPlayTheTenthChannel) {
                  "allowed: --channel 1");
 }
 
-// Without keys each key plays the one event of an instrument, as in hosts; of two events the keys from 60 on.
+// Without keys each key plays the one event of an instrument, as in hosts; of two events the keys from 60 on. All
+// channels but the tenth play, whose keys alone are drums.
 TEST_F(KeysOnTheCommandLine, OfHostsArePlayedWithoutKeys) {
   const auto contacts = [&](const std::string& file, const std::string& text) {
     write_file(box_ / file, text);
-    const Outcome outcome = render("song.mid", file, {"--channel", "1", "--tail", "0.2"});
+    const Outcome outcome = render("song.mid", file, {"--tail", "0.2"});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return outcome.out.substr(0, outcome.out.find(" in ")) + outcome.err;
   };
@@ -141,6 +143,13 @@ TEST_F(KeysOnTheCommandLine, OfHostsArePlayedWithoutKeys) {
   EXPECT_EQ(contacts("one.json", one), "2 contacts");
   EXPECT_EQ(contacts("two.json", two),
             "1 contactscontactspline: song.mid: MIDI: left out, as probe has nothing to strike there: keys 20 (1)\n");
+  using namespace contactspline::testing::midi;
+  const auto left_out = [&](int channel) {
+    write_file(box_ / "low.mid", file(track({{0, on(60, 90, channel)}, {9, on(42, 90, channel)}})));
+    return render("low.mid", "two.json", {"--channel", std::to_string(channel + 1), "--tail", "0.2"}).err;
+  };
+  EXPECT_NE(left_out(0).find("nothing to strike there: keys 42 (1)\n"), std::string::npos) << left_out(0);
+  EXPECT_NE(left_out(9).find("nothing to strike there: keys 42 closed hi-hat (1)\n"), std::string::npos);
 }
 
 // The keys that docs/how-to/midi.md adds to the tanpura.

@@ -116,28 +116,51 @@ TEST(MidiInHost, PressureAndBreathMoveABow) {
     if (glide.control == 0) EXPECT_EQ(glide.to, 0.5);
 }
 
-// Counted from 0; a number without a preset changes nothing. Parameters that a preset does not name go back.
+// Counted from 0; a number without a preset changes nothing. Parameters that a preset does not name go back, but for
+// the pedal, which stays down, and the bend.
 TEST(MidiInHost, ProgramsArePresets) {
   const InstrumentModel guitar =
       parse_instrument(find_embedded(Shipped::kInstruments, "lap_steel.json")->content, "lap_steel.json");
   const InstrumentArrays arrays = arrays_of(guitar, kRate_hz / 2);
   Hosted<double> hosted(handle_of<Voices<NetworkInstrument<double>>>(arrays.view()));
   hosted.prepare(kRate_hz);
-  Events messages;
-  for (const int program : {2, 1, 3, 4, 127}) {
-    messages.emplace_back(0, bytes({0xc0, program}));
-    hosted.midi({reinterpret_cast<const std::uint8_t*>(messages.back().second.data()), 2});
-  }
+  Events messages = {{0, wheel(16383)}, {0, controller(64, 127)}};
+  for (const int program : {2, 1, 3, 4, 127}) messages.emplace_back(0, bytes({0xc0, program}));
+  for (const auto& [tick, message] : messages)
+    hosted.midi({reinterpret_cast<const std::uint8_t*>(message.data()), message.size()});
   const Score score =
       parse_midi_on_instrument(file(track(followed_by(messages, midi::kNote))), "song.mid", {}, guitar);
-  ASSERT_EQ(score.voices.front().glides.size(), 3 * guitar.parameters.size());
+  const std::size_t sustain = guitar.keys.sustain, bend = guitar.keys.bend;
   std::vector<double> ends(guitar.parameters.size());
-  for (const Glide& glide : score.voices.front().glides) ends[glide.control] = glide.to;
+  std::vector<std::size_t> moves(ends.size());
+  for (const Glide& glide : score.voices.front().glides)
+    if (glide.time_s == 0) ends[glide.control] = glide.to, ++moves[glide.control];
   for (std::size_t p = 0; p < ends.size(); ++p) {
-    EXPECT_EQ(ends[p], guitar.presets[3].values[p]);
-    EXPECT_EQ(hosted.target(p), guitar.presets[3].values[p]);
+    EXPECT_EQ(moves[p], p == sustain || p == bend ? 1u : 3u) << p;
+    if (p == bend) continue;
+    EXPECT_EQ(ends[p], p == sustain ? 1 : guitar.presets[3].values[p]) << p;
+    EXPECT_EQ(hosted.target(p), ends[p]) << p;
   }
+  EXPECT_NEAR(ends[bend], 200 * 8191 / 8192.0, 1e-9);
   EXPECT_NE(guitar.presets[3].values, guitar.presets[1].values);
+}
+
+// A channel that plays nothing chooses no preset, unless it is the first one of an MPE zone.
+TEST(MidiInHost, ProgramsAreOfChannelsThatPlay) {
+  const InstrumentModel guitar =
+      parse_instrument(find_embedded(Shipped::kInstruments, "lap_steel.json")->content, "lap_steel.json");
+  const auto moves = [&](const Events& before) {
+    const Events note = {{0, on(60, 90, 1)}, {kSecond, off(60, 1)}};
+    return parse_midi_on_instrument(file(track(followed_by(before, note))), "song.mid", {}, guitar)
+        .voices.front()
+        .glides.size();
+  };
+  const std::size_t all = guitar.parameters.size() - 2;
+  EXPECT_EQ(moves({{0, bytes({0xc1, 1})}}), all);
+  EXPECT_EQ(moves({{0, bytes({0xc0, 1})}, {0, bytes({0xc4, 2})}}), 0u);
+  const Events zone = followed_by(registered(6), {{0, controller(6, 3)}});
+  EXPECT_EQ(moves(followed_by(zone, {{0, bytes({0xc0, 1})}})), all);
+  EXPECT_EQ(moves(followed_by(zone, {{0, bytes({0xc4, 1})}})), 0u);
 }
 
 // Channels that bend have voices of their own: one's pressure does not press the bow of the other.

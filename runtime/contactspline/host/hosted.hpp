@@ -159,8 +159,17 @@ class Hosted {
       case Kind::kPressure:
         return event.is_first ? reset_pressure() : move(kPressureController, event.value);
       case Kind::kProgram:
-        return load(static_cast<std::size_t>(event.number));
+        return load_program(static_cast<std::size_t>(event.number));
     }
+  }
+
+  // The preset of a program, but for pedals and bends, which the performance holds.
+  void load_program(std::size_t preset) {
+    if (preset >= instrument().presets().size()) return;
+    const Preset& loaded = instrument().presets()[preset];
+    for (std::size_t p = 0; p < loaded.values.size(); ++p)
+      if (const Parameter& x = instrument().parameters()[p]; !is_of_performance(x.name, x.controller))
+        set(p, loaded.values[p]);
   }
 
   // Moves the parameters of a controller to a part of their way, 0 to 1.

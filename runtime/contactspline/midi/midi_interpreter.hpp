@@ -76,6 +76,11 @@ class MidiInterpreter {
     sounding_.fill({});
   }
 
+  /// The first channel of the MPE zone whose member a channel is, or -1.
+  [[nodiscard]] int master_of(int channel) const {
+    if (channel >= 1 && channel <= lower_) return 0;
+    return channel <= 14 && channel >= 15 - upper_ ? 15 : -1;
+  }
   /// Is a channel in an MPE zone, as its first or as a member?
   [[nodiscard]] bool is_in_zone(int channel) const {
     return master_of(channel) >= 0 || (channel == 0 && lower_ > 0) || (channel == 15 && upper_ > 0);
@@ -102,11 +107,6 @@ class MidiInterpreter {
   [[nodiscard]] MidiChannel& at(int channel) { return channels_[static_cast<std::size_t>(channel)]; }
   [[nodiscard]] const MidiChannel& at(int channel) const { return channels_[static_cast<std::size_t>(channel)]; }
 
-  // The first channel of the zone whose member a channel is, or -1.
-  [[nodiscard]] int master_of(int channel) const {
-    if (channel >= 1 && channel <= lower_) return 0;
-    return channel <= 14 && channel >= 15 - upper_ ? 15 : -1;
-  }
   [[nodiscard]] double cents_of(int channel) const {
     const int master = master_of(channel);
     return tuning_.master() + at(channel).cents() + (master < 0 ? 0 : at(master).cents());

@@ -21,6 +21,11 @@ inline constexpr std::array kMidiPedals = {kSustainPedal, kSostenutoPedal, kSoft
   return static_cast<std::size_t>(std::ranges::find(kMidiPedals, controller) - kMidiPedals.begin());
 }
 
+/// Is a parameter one of the performance, a pedal or the bend, which a program leaves where it is?
+[[nodiscard]] constexpr bool is_of_performance(std::string_view parameter, int controller) {
+  return midi_pedal(controller) < kMidiPedals.size() || parameter == "bend_cents";
+}
+
 /// What a controller is for.
 enum class MidiControl {
   kParameter,
@@ -103,7 +108,7 @@ inline constexpr auto kMidiOthers = std::to_array<MidiWords>({
     {"pitch wheel",
      "bends what its channel plays by the bend range, in an MPE zone beside that of the first channel"},
     {"pressure of a key or channel", "moves the parameter that has it, as the force of a bow"},
-    {"program", "loads the preset of its number, counted from 0, if there is one"},
+    {"program", "loads the preset of its number, counted from 0, if there is one; pedals and bends stay"},
     {"master fine and coarse tuning", "universal, real time: tunes all"},
     {"single-note tuning",
      "universal, with or without a bank: tunes keys from their next note on, whatever the program"},
