@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "contactspline/midi/midi_interpreter.hpp"
+
 namespace contactspline {
 namespace {
 
@@ -38,11 +40,17 @@ struct Mixer {
 std::vector<MixGains> mix_of(std::span<const MidiFileMessage> messages, std::span<const int> channels,
                              const std::function<bool(int controller)>& free) {
   Mixer mixer;
+  MidiInterpreter midi;
   std::vector<MixGains> gains;
-  for (const auto& [time_s, message] : messages) {
-    const bool is_control = (message[0] & 0xf0) == 0xb0 && std::ranges::count(channels, (message[0] & 0xf) + 1) > 0;
-    if (is_control && free(message[1]) && mixer.take(message[1], message[2])) gains.push_back(mixer.at(time_s));
-  }
+  for (const auto& [time_s, message] : messages)
+    midi.take(message, [&, time_s = time_s](const MidiEvent& event) {
+      const bool resets = event.kind == MidiEvent::Kind::kReset;
+      if (resets) mixer = {};
+      const bool is_control =
+          event.kind == MidiEvent::Kind::kController && std::ranges::count(channels, event.channel + 1) > 0;
+      if (resets || (is_control && free(event.number) && mixer.take(event.number, std::round(127 * event.value))))
+        gains.push_back(mixer.at(time_s));
+    });
   const bool differs =
       std::ranges::any_of(gains, [](const MixGains& gain) { return gain.left != 1 || gain.right != 1; });
   return differs ? gains : std::vector<MixGains>{};

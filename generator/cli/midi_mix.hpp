@@ -18,8 +18,9 @@ struct MixGains {
 
 /// What volume (7), expression (11) and pan (10) of an instrument's channels, 1 to 16, ask for, as General MIDI has
 /// it: volume and expression by their squares, pan by the cosine and the sine of an angle. 1 at first and at volume
-/// 100, expression 127, pan 64. Of several channels the latest message counts. Controllers that are not `free`,
-/// because they move a parameter of the instrument, do not mix. By rising time; empty where nothing differs from 1.
+/// 100, expression 127, pan 64. A reset of controllers brings expression back, one of the system all three. Of
+/// several channels the latest message counts. Controllers that are not `free`, because they move a parameter of the
+/// instrument, do not mix. By rising time; empty where nothing differs from 1.
 [[nodiscard]] std::vector<MixGains> mix_of(std::span<const MidiFileMessage> messages, std::span<const int> channels,
                                            const std::function<bool(int controller)>& free);
 

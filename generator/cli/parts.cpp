@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <charconv>
+#include <compare>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <set>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "contactspline/data/model_parameters.hpp"
@@ -29,15 +31,25 @@ constexpr std::size_t kColumns = 1200;  // of the forces of a sum
   throw BadInput(fmt::format("--instrument: {}; allowed: {}", wrong, allowed));
 }
 
-// What stands between commas.
+bool is_existing_file(const std::string& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error);
+}
+
+// What stands between commas, but for those in the path of a file.
 std::vector<std::string> items_of(std::span<const std::string> lists) {
   std::vector<std::string> items;
   for (const std::string& list : lists)
     for (std::size_t begin = 0, end = 0; end != std::string::npos; begin = end + 1) {
-      end = list.find(',', begin);
+      end = is_existing_file(list) ? std::string::npos : list.find(',', begin);
       items.push_back(list.substr(begin, end - begin));
     }
   return items;
+}
+
+// Is an item a channel and a name, with = between them?
+bool names_channel(const std::string& item) {
+  return item.find('=') != std::string::npos && !is_existing_file(item);
 }
 
 // A whole text as a number from 1 to `most`, or nothing.
@@ -54,17 +66,26 @@ Part& part_of(std::vector<Part>& parts, const std::string& instrument) {
   return found != parts.end() ? *found : parts.emplace_back(Part{instrument, {}});
 }
 
-// Gives a part what stands before its name.
-void give(const std::string& item, const std::string& what, Part& part) {
-  if (what == kOthers)
-    part.has_others = true;
-  else if (const auto channel = number_of(what, kChannels))
-    part.channels.push_back(*channel);
-  else if (const auto program = what.starts_with('p') ? number_of(what.substr(1), kPrograms) : std::nullopt)
-    part.programs.push_back(*program);
-  else
-    refuse_part(fmt::format("'{}' names no channel", shown(item)),
-                "1 to 16, p1 to p128 for programs, or * before =, such as 10=kit");
+// What stands before a name: a channel, a program, or all others.
+struct Plays {
+  enum class Kind { kChannel, kProgram, kRest } kind = Kind::kRest;
+  int number = 0;
+  auto operator<=>(const Plays&) const = default;
+};
+
+Plays plays_argument(const std::string& what, const std::string& name) {
+  if (what == kOthers) return {};
+  if (const auto channel = number_of(what, kChannels)) return {Plays::Kind::kChannel, *channel};
+  if (const auto program = what.starts_with('p') ? number_of(what.substr(1), kPrograms) : std::nullopt)
+    return {Plays::Kind::kProgram, *program};
+  refuse_part(fmt::format("'{}' names no channel", shown(what + "=" + name)),
+              "1 to 16, p1 to p128 for programs, or * before =, such as 10=kit");
+}
+
+void give(const Plays& plays, Part& part) {
+  if (plays.kind == Plays::Kind::kChannel) part.channels.push_back(plays.number);
+  if (plays.kind == Plays::Kind::kProgram) part.programs.push_back(plays.number);
+  if (plays.kind == Plays::Kind::kRest) part.has_others = true;
 }
 
 // The part that plays a channel: by its number, else by its program, else with all others; or null.
@@ -99,24 +120,46 @@ std::vector<Part> with_channels(std::vector<Part> parts, const std::map<int, Mid
   return played;
 }
 
-// A part's score, without the tuning if it has no pitch; then `untuned` gets a line. Without channels nothing is
-// played: there is no channel 0.
-ScoreSource read_part(const std::string& score, const Part& part, const Tuning& tuning,
-                      std::vector<std::string>& untuned) {
-  const std::vector<int> channels = part.channels.empty() ? std::vector{0} : part.channels;
-  try {
-    return score_argument(score, channels, part.instrument, tuning);
-  } catch (const NothingTuned& error) {
-    ScoreSource source = score_argument(score, channels, part.instrument, {});
-    untuned.emplace_back(error.what());
-    return source;
-  }
-}
-
 bool moves_a_parameter(const Score& score, int controller) {
   return score.model == Model::kFile &&
          std::ranges::count(score.voices.front().model->parameters, controller, &ModelParameter::controller) > 0;
 }
+
+/// Reads the parts of a MIDI file.
+struct PartReader {
+  const std::string& score;
+  const Tuning& tuning;
+  std::vector<MidiFileMessage> messages;
+  PartSources read = {};
+  std::vector<std::string> untuned = {};  ///< the error of each part without a pitch, which is one where all are
+
+  // Without the tuning if the part has no pitch. Without channels nothing is played: there is no channel 0.
+  ScoreSource source_of(const Part& part) {
+    const std::vector<int> channels = part.channels.empty() ? std::vector{0} : part.channels;
+    try {
+      return score_argument(score, channels, part.instrument, tuning);
+    } catch (const NothingTuned& error) {
+      ScoreSource source = score_argument(score, channels, part.instrument, {});
+      untuned.emplace_back(error.what());
+      return source;
+    }
+  }
+
+  // A part with the channels that it plays, or a remark that it has no notes. given: with what its user gave it.
+  void add(const Part& part, const Part& given) {
+    try {
+      ScoreSource source = source_of(part);
+      auto mix = mix_of(messages, part.channels,
+                        [&](int controller) { return !moves_a_parameter(source.score, controller); });
+      read.list.push_back(
+          {std::filesystem::path(part.instrument).stem().string(), std::move(source), std::move(mix)});
+    } catch (const NothingPlayed& error) {
+      read.remarks.push_back(part.channels.empty() ? fmt::format("{}: MIDI: no note is on {}, which {} plays", score,
+                                                                 wanted_of(given), shown(part.instrument))
+                                                   : error.what());
+    }
+  }
+};
 
 std::vector<int> channels_of(const std::map<int, MidiUse>& uses) {
   std::vector<int> channels;
@@ -150,53 +193,63 @@ std::vector<float> forces_over(std::span<const float> forces, std::size_t sample
 
 }  // namespace
 
-Parts parts_argument(std::span<const std::string> instruments, const std::vector<int>& channels) {
-  if (instruments.empty()) return {{{"", channels}}};
-  if (instruments.size() == 1 && instruments[0].find('=') == std::string::npos) return {{{instruments[0], channels}}};
-  if (!channels.empty())
-    throw BadInput("--channel: stands beside the channels of --instrument; allowed: one of the two");
+Parts parts_by_channel(std::span<const std::pair<std::string, std::string>> list) {
   std::vector<Part> parts;
-  std::set<std::string> given;
-  for (const std::string& item : items_of(instruments)) {
-    const std::size_t at = item.find('=');
-    const std::string what = at == std::string::npos ? kOthers : item.substr(0, at);
-    const std::string name = at == std::string::npos ? item : item.substr(at + 1);
-    if (name.empty()) refuse_part(fmt::format("'{}' names no instrument", shown(item)), "such as 1=piano");
-    if (!given.insert(what).second)
+  std::set<Plays> given;
+  for (const auto& [what, name] : list) {
+    if (name.empty())
+      refuse_part(fmt::format("'{}' names no instrument", shown(what == kOthers ? "" : what + "=")),
+                  "such as 1=piano");
+    const Plays plays = plays_argument(what, name);
+    if (!given.insert(plays).second)
       refuse_part(fmt::format("'{}' has two instruments", shown(what)), "one for each, such as 1=piano,2=cello");
-    give(item, what, part_of(parts, name));
+    give(plays, part_of(parts, name));
   }
   return {std::move(parts), true};
 }
 
+Parts parts_argument(std::span<const std::string> instruments, const std::vector<int>& channels) {
+  if (instruments.empty()) return {{{"", channels}}};
+  if (instruments.size() == 1 && !names_channel(instruments[0])) return {{{instruments[0], channels}}};
+  if (!channels.empty())
+    throw BadInput("--channel: stands beside the channels of --instrument; allowed: one of the two");
+  std::vector<std::pair<std::string, std::string>> list;
+  for (const std::string& item : items_of(instruments)) {
+    const std::size_t at = item.find('=');
+    if (names_channel(item))
+      list.emplace_back(item.substr(0, at), item.substr(at + 1));
+    else
+      list.emplace_back(kOthers, item);
+  }
+  return parts_by_channel(list);
+}
+
 PartSources read_parts(const std::string& score, const Parts& parts, const Tuning& tuning) {
   const auto midi = parts.by_channel ? midi_bytes(score) : std::nullopt;
-  if (!midi) return {{{"", score_argument(score, parts.list[0].channels, parts.list[0].instrument, tuning)}}, {}};
-  const std::map<int, MidiUse> uses = midi_uses(*midi, score);
-  const std::vector<MidiFileMessage> messages = read_midi_file(*midi, score).messages;
+  if (!midi) {
+    const Part all = parts.by_channel ? Part{} : parts.list[0];
+    PartSources one{{{"", score_argument(score, all.channels, all.instrument, tuning)}}, {}};
+    if (parts.by_channel)
+      refuse(score, "--instrument", "the score is not a MIDI file", "no --instrument, or a .mid file");
+    return one;
+  }
+  PartReader reader{score, tuning, read_midi_file(*midi, score).messages};
+  const std::map<int, MidiUse> uses = midi_uses(reader.messages);
   const std::vector<Part> played = with_channels(parts.list, uses);
-  PartSources read;
-  std::vector<std::string> untuned;
-  for (std::size_t p = 0; p < played.size(); ++p) try {
-      const std::string& name = played[p].instrument;
-      read.list.push_back(
-          {std::filesystem::path(name).stem().string(), read_part(score, played[p], tuning, untuned)});
-      read.list.back().mix = mix_of(messages, played[p].channels, [&](int controller) {
-        return !moves_a_parameter(read.list.back().source.score, controller);
-      });
-    } catch (const NothingPlayed& error) {
-      read.remarks.push_back(played[p].channels.empty()
-                                 ? fmt::format("{}: MIDI: no note is on {}, which {} plays", score,
-                                               wanted_of(parts.list[p]), shown(played[p].instrument))
-                                 : error.what());
-    }
-  if (read.list.empty() && std::ranges::all_of(played, [](const Part& part) { return part.channels.empty(); }))
+  for (std::size_t p = 0; p < played.size(); ++p) reader.add(played[p], parts.list[p]);
+  auto& [list, remarks] = reader.read;
+  if (list.empty() && std::ranges::all_of(played, [](const Part& part) { return part.channels.empty(); }))
     refuse_part(fmt::format("no channel that it names has a note in {}", score),
                 fmt::format("channels {}", fmt::join(channels_of(uses), ", ")));
-  if (read.list.empty()) throw BadInput(read.remarks.back());
-  if (!untuned.empty() && untuned.size() == read.list.size()) throw BadInput(untuned.front());
-  std::ranges::move(remark_on_others(score, played, uses), std::back_inserter(read.remarks));
-  return read;
+  if (list.empty()) throw BadInput(remarks.back());
+  if (!reader.untuned.empty() && reader.untuned.size() == list.size()) throw BadInput(reader.untuned.front());
+  std::ranges::move(remark_on_others(score, played, uses), std::back_inserter(remarks));
+  return std::move(reader.read);
+}
+
+int channels_of(const Score& score, std::span<const MixGains> mix) {
+  const bool is_aside = std::ranges::any_of(mix, [](const MixGains& gains) { return gains.left != gains.right; });
+  return is_aside ? 2 : channels_of(score);
 }
 
 Precision precision_of(const Score& score, Precision asked) {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "generator/cli/inputs.hpp"
@@ -28,14 +29,18 @@ struct Parts {
 };
 
 /// The parts of --instrument: a NAME alone, which plays `channels`; or a list of CHANNEL=NAME, pPROGRAM=NAME and, for
-/// the other channels, *=NAME or a NAME alone. A name that stands there twice is one part. Throws BadInput.
+/// the other channels, *=NAME or a NAME alone. A name that stands there twice is one part. The path of a file that
+/// exists is a name, whatever is in it. Throws BadInput.
 [[nodiscard]] Parts parts_argument(std::span<const std::string> instruments, const std::vector<int>& channels);
+
+/// The parts of such a list, of which each has what stands before = and a name. Throws BadInput.
+[[nodiscard]] Parts parts_by_channel(std::span<const std::pair<std::string, std::string>> list);
 
 /// A part that has notes.
 struct PartSource {
   std::string name;  ///< of its instrument
   ScoreSource source;
-  std::vector<MixGains> mix = {};  ///< of several parts
+  std::vector<MixGains> mix = {};  ///< of a list of parts
 };
 
 struct PartSources {
@@ -45,8 +50,11 @@ struct PartSources {
 
 /// What each part plays of a SCORE: the messages of its channels, and those of no channel. The program of a channel
 /// is that of its first note; the tenth, of drums, has none and is not among the others. `tuning` tunes the parts
-/// that have a pitch. Throws BadInput, also where no part has notes.
+/// that have a pitch, of which there must be one. Throws BadInput, also where no part has notes.
 [[nodiscard]] PartSources read_parts(const std::string& score, const Parts& parts, const Tuning& tuning);
+
+/// 2 where the sides of a sound differ, by itself or as it is mixed; else 1.
+[[nodiscard]] int channels_of(const Score& score, std::span<const MixGains> mix);
 
 /// The precision that is asked for, or the only one in which a model of the user's own computes.
 [[nodiscard]] Precision precision_of(const Score& score, Precision asked);

@@ -124,13 +124,6 @@ struct PlayedPart {
   std::vector<MixGains> mix = {};
 };
 
-// 2 where its sides differ, by itself or as it is mixed.
-int channels_of(const PlayedPart& part) {
-  const bool is_aside =
-      std::ranges::any_of(part.mix, [](const MixGains& gains) { return gains.left != gains.right; });
-  return is_aside ? 2 : channels_of(part.score);
-}
-
 // What plays a score: an instrument or a keyboard by its name, or a model.
 std::string player_of(const Score& score) {
   if (score.model == Model::kFile) return score.voices.front().model->name;
@@ -271,7 +264,7 @@ Prepared prepare(std::optional<Model> model, const ScoreOptions& given) {
     if (!options.output.oversampling) options.output.oversampling = part.score.oversampling;
     require_model(options, part.score, model);
     require_short(options.score + ": duration_s", part.score.duration_s, options.output.model_rate_hz());
-    channels = std::max(channels, channels_of(part));
+    channels = std::max(channels, channels_of(part.score, part.mix));
     std::ranges::move(source.files, std::back_inserter(files));
   }
   stems = stems_of(options, parts);
@@ -318,11 +311,11 @@ Performance play_part(const ScoreOptions& options, PlayedPart& part, const Progr
   return performance;
 }
 
-// The only part, or the sum of all of them, each at its full scale.
+// The only part, or the sum of all of them, each at its full scale; as they are mixed.
 Performance play_parts(const ScoreOptions& options, std::vector<PlayedPart>& parts) {
-  if (parts.size() == 1) return play_part(options, parts[0], show_progress);
+  if (parts.size() == 1 && parts[0].mix.empty()) return play_part(options, parts[0], show_progress);
   Performance sum{static_cast<double>(options.output.sample_rate_hz), 1, {}, {}, 0, 0};
-  for (const PlayedPart& part : parts) sum.channels = std::max(sum.channels, channels_of(part));
+  for (const PlayedPart& part : parts) sum.channels = std::max(sum.channels, channels_of(part.score, part.mix));
   for (std::size_t p = 0; p < parts.size(); ++p)
     add_part(sum,
              play_part(options, parts[p],

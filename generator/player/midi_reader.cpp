@@ -147,10 +147,10 @@ void let_go(MidiFile& file) {
 
 }  // namespace
 
-std::map<int, MidiUse> midi_uses(std::string_view bytes, std::string_view file) {
+std::map<int, MidiUse> midi_uses(std::span<const MidiFileMessage> messages) {
   std::map<int, MidiUse> uses;
   std::array<int, kChannels> programs{};
-  for (const auto& [time_s, message] : read_midi_file(bytes, file).messages) {
+  for (const auto& [time_s, message] : messages) {
     const int channel = message[0] & 0xf;
     if ((message[0] & 0xf0) == 0xc0) programs[static_cast<std::size_t>(channel)] = message[1];
     if (!is_note_on(message)) continue;

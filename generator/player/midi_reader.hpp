@@ -90,8 +90,8 @@ struct MidiUse {
   int program = 0;  ///< of its first note, 0 to 127
 };
 
-/// The channels (1 to 16) of a file that have notes. Throws BadInput.
-[[nodiscard]] std::map<int, MidiUse> midi_uses(std::string_view bytes, std::string_view file);
+/// The channels (1 to 16) of a file that have notes.
+[[nodiscard]] std::map<int, MidiUse> midi_uses(std::span<const MidiFileMessage> messages);
 
 /// The messages of the channels (1 to 16), or if none is given of all but the tenth, which is for drums unless an MPE
 /// zone holds it. `file` stands in messages only. Throws BadInput, also where no note is played.

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "generator/cli/midi_mix.hpp"
 #include "program.hpp"
 #include "render_score.hpp"
 #include "sandbox.hpp"
@@ -123,6 +124,29 @@ TEST_F(RenderParts, AreChosenByPrograms) {
   }
 }
 
+// A reset of controllers brings expression back, one of the system volume and pan, too.
+TEST(Mix, GoesBack) {
+  using namespace midi;
+  const auto gains = [](const std::vector<std::string>& messages) {
+    std::vector<MidiFileMessage> at;
+    for (const std::string& message : messages)
+      at.push_back({static_cast<double>(at.size()), {message.begin(), message.end()}});
+    return mix_of(at, std::array{1}, [](int) { return true; }).back();
+  };
+  const std::vector<std::string> moved = {controller(7, 50), controller(10, 0), controller(11, 64)};
+  const auto after = [&](std::vector<std::string> last) {
+    last.insert(last.begin(), moved.begin(), moved.end());
+    return gains(last);
+  };
+  EXPECT_NEAR(after({}).left, std::numbers::sqrt2 * std::pow(0.5 * 64 / 127, 2), 1e-12);
+  EXPECT_NEAR(after({controller(121, 0)}).left, std::numbers::sqrt2 * 0.25, 1e-12);
+  EXPECT_EQ(after({controller(121, 0)}).right, 0);
+  EXPECT_NEAR(after({controller(121, 0, 1)}).left, after({}).left, 1e-12);  // of another channel
+  const MixGains reset = after({bytes({0xf0, 0x7e, 0x7f, 9, 1, 0xf7})});
+  EXPECT_EQ(reset.left, 1);
+  EXPECT_EQ(reset.right, 1);
+}
+
 // Each at the full scale of its first output. Samples are summed in single precision.
 TEST_F(RenderParts, AddUpWhatEachPlaysAlone) {
   const Sound mix = sound("1=probe.json,2=second.json,10=drum.json");
@@ -157,6 +181,14 @@ TEST_F(RenderParts, AreMixedByTheirControllers) {
   ASSERT_EQ(aside.channels, 2);
   ASSERT_EQ(aside.samples.size(), 2 * alone.samples.size());
   const double gain = std::pow(0.8 * 100 / 127, 2);
+  // Of a song that has no notes for the second one, too.
+  const std::string of_first = file(track({{0, controller(7, 80)}, {0, on(60)}, {300, off(60)}}));
+  write_file(box_ / "first.mid", of_first);
+  ASSERT_EQ(render("1=probe.json,2=second.json", {}, "first.mid").exit_code, 0);
+  const Sound first = read_sound(box_ / "a.wav");
+  ASSERT_EQ(first.samples.size(), alone.samples.size());
+  for (std::size_t n = 0; n < alone.samples.size(); ++n)
+    ASSERT_TRUE(within(first.samples[n], 20 * 0.64 * alone.samples[n], 20e-6 * alone.peak()));
   for (std::size_t n = 0; n < alone.samples.size(); ++n) {
     ASSERT_TRUE(within(softer.samples[n], gain * alone.samples[n], 1e-6 * alone.peak()));
     ASSERT_TRUE(within(aside.samples[2 * n], std::numbers::sqrt2 * alone.samples[n], 1e-6 * alone.peak()));
@@ -215,6 +247,7 @@ TEST_F(RenderParts, AreRefusedInOneLine) {
         {"1=unknown", "--instrument: unknown: is no instrument and no keyboard", "cello, classical_guitar, "},
         {"1=probe.json,10=none.json", "none.json: ", ""},
         {"1=probe.json,1=cello", "--instrument: '1' has two instruments", "allowed: one for each, such as"},
+        {"1=probe.json,01=cello", "--instrument: '01' has two instruments", "allowed: one for each"},
         {"*=probe.json,cello", "--instrument: '*' has two instruments", "allowed: one for each"},
         {"1=", "--instrument: '1=' names no instrument", "allowed: such as 1=piano"},
         {"1=probe.json,", "--instrument: '' names no instrument", "allowed: such as 1=piano"},
@@ -231,8 +264,24 @@ TEST_F(RenderParts, AreRefusedInOneLine) {
                  "one of the two");
   expect_refused(render("1=probe.json,10=drum.json", {"--signal", "felt"}), "--signal: is for one instrument",
                  "--instrument with one name");
-  expect_refused(render("1=probe.json,10=drum.json", {}, "tom_pattern"),
-                 "tom_pattern: --instrument: the score is not a MIDI file", "no --instrument");
+  for (const char* parts : {"1=probe.json,10=drum.json", "1=cello"}) {
+    const Outcome outcome = render(parts, {}, "tom_pattern");
+    expect_refused(outcome, "tom_pattern: --instrument: the score is not a MIDI file", "no --instrument");
+    EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+  }
+}
+
+// A file that exists is a name, whatever stands in its path.
+TEST_F(RenderParts, MayHaveAnyPath) {
+  fs::copy_file(box_ / "probe.json", box_ / "my=probe.json");
+  fs::copy_file(box_ / "probe.json", box_ / "1,2=probe.json");
+  for (const char* name : {"my=probe.json", "1,2=probe.json"}) {
+    const Outcome outcome = render(name);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    const std::string as_named = read_file(box_ / "a.wav");
+    EXPECT_EQ(render("probe.json").exit_code, 0);
+    EXPECT_TRUE(as_named == read_file(box_ / "a.wav")) << name;
+  }
 }
 
 // A tuning is of those that have a pitch, of which there must be one.
