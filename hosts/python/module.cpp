@@ -326,23 +326,28 @@ py::dict presets_of(const Source& source) {
   return presets;
 }
 
-// What plays a score that ships, of a file or of a text.
-std::vector<Score> scores_of(const std::string& source, bool is_text, const std::vector<std::string>& instruments,
-                             const std::vector<int>& channels, const Tuning& tuning) {
-  std::vector<Score> scores;
-  if (is_text && !(instruments.empty() && channels.empty()))
+// What plays a MIDI file: one instrument with its channels, or several, each with what stands before its name.
+using ByChannel = std::vector<std::pair<std::string, std::string>>;
+
+Parts parts_of(const std::string& instrument, const ByChannel& by_channel, const std::vector<int>& channels) {
+  if (by_channel.empty()) return {{{instrument, channels}}};
+  if (!channels.empty())
+    throw BadInput("--channel: stands beside the channels of --instrument; allowed: one of the two");
+  return parts_by_channel(by_channel);
+}
+
+// The parts of a score that ships, of a file or of a text.
+std::vector<PartSource> sources_of(const std::string& source, bool is_text, const Parts& parts,
+                                   const Tuning& tuning) {
+  if (!is_text) return read_parts(source, parts, tuning).list;
+  if (parts.by_channel || !parts.list[0].instrument.empty() || !parts.list[0].channels.empty())
     refuse("score", "--instrument and --channel", "are for MIDI files", "without them");
-  if (is_text)
-    scores.push_back(parse_score(source, "score", read_input, nullptr, tuning));
-  else
-    for (PartSource& part : read_parts(source, parts_argument(instruments, channels), tuning).list)
-      scores.push_back(std::move(part.source.score));
-  return scores;
+  return {{"", {parse_score(source, "score", read_input, nullptr, tuning), {}}}};
 }
 
 // A score as `render` plays it: samples by channel, largest forces, and what the sound is.
 py::tuple play_score(const std::string& source, bool is_text, double rate, bool is_single,
-                     const std::vector<std::string>& instruments, const std::vector<int>& channels,
+                     const std::string& instrument, const ByChannel& by_channel, const std::vector<int>& channels,
                      const std::string& scale, const std::string& keymap, std::optional<double> a4_hz) {
   Performance performance{rate, 1, {}, {}, 0, 0};
   std::string output, unit;
@@ -350,10 +355,13 @@ py::tuple play_score(const std::string& source, bool is_text, double rate, bool 
   {
     const py::gil_scoped_release unlocked;
     const Tuning tuning = tuning_argument(scale, keymap, a4_hz);
-    const std::vector<Score> scores = scores_of(source, is_text, instruments, channels, tuning);
-    for (const Score& score : scores) performance.channels = std::max(performance.channels, channels_of(score));
-    level_db = scores[0].level_db;
-    for (const Score& score : scores) {
+    const std::vector<PartSource> parts =
+        sources_of(source, is_text, parts_of(instrument, by_channel, channels), tuning);
+    for (const PartSource& part : parts)
+      performance.channels = std::max(performance.channels, channels_of(part.source.score, part.mix));
+    level_db = parts[0].source.score.level_db;
+    for (const auto& [name, read, mix] : parts) {
+      const Score& score = read.score;
       PlayOptions options{rate};
       options.precision = precision_of(score, is_single ? Precision::kSingle : Precision::kDouble);
       options.oversampling = score.oversampling;
@@ -363,12 +371,12 @@ py::tuple play_score(const std::string& source, bool is_text, double rate, bool 
       const Output chosen = contactspline::outputs_of(score)[options.output];
       output = options.is_on_body ? "body_velocity_m_per_s" : chosen.name;
       unit = options.is_on_body ? "m/s" : chosen.unit;
-      if (scores.size() == 1)
+      if (parts.size() == 1 && mix.empty())
         performance = std::move(part);
       else
-        add_part(performance, part, full_scale_of(score, options));
+        add_part(performance, part, parts.size() > 1 ? full_scale_of(score, options) : 1, mix);
     }
-    if (scores.size() > 1) output = "sum", unit = "";
+    if (parts.size() > 1) output = "sum", unit = "";
   }
   const auto sides = static_cast<py::ssize_t>(performance.channels);
   py::array_t<float> samples({static_cast<py::ssize_t>(performance.samples.size()) / sides, sides});

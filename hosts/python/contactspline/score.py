@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import operator
 import os
 import re
 from typing import Any, Iterable, Mapping
@@ -31,22 +32,19 @@ def play_score(source: str | os.PathLike[str] | Mapping[str, Any], *, sample_rat
     The sound has the shape (samples,) or, in stereo, (samples, 2). Its force_n holds the largest contact force in each
     of at most 1200 equal stretches of time. tuning, keymap: files of Scala (.scl, .kbm) that tune its keys, as a4_hz, the
     pitch of A4, does; in place of what the score says. instrument: what plays a MIDI file, a name or file, or several by
-    channel, such as {1: "piano", 10: "kit", "*": "cello"}; their sum divides each by its full scale. channel: those that
-    one instrument plays, 1 to 16; by default all but the tenth.
+    channel, such as {1: "piano", 10: "kit", "*": "cello"}; their sum divides each by its full scale and mixes it by the
+    volume, expression and pan of its channels. channel: those that one instrument plays, 1 to 16; by default all but the
+    tenth.
     """
     if precision not in ("single", "double"):
         raise _core.Error(f"precision: '{precision}' is unknown; allowed: single, double")
     check_rate(sample_rate_hz)
-    channels = [] if channel is None else [channel] if isinstance(channel, int) else list(channel)
-    for number in channels:
-        if not (isinstance(number, int) and 1 <= number <= 16):
-            raise _core.Error(f"channel: {number!r} is refused; allowed: an integer from 1 to 16")
     try:
         samples, forces, contacts, output, unit, level_db = _core.play_score(
-            *source_of(source), sample_rate_hz, precision == "single", _instruments_of(instrument), channels,
-            *_tuning_of(tuning, keymap, a4_hz))
-    except _core.Error as error:  # options of the command line are arguments here
-        raise _core.Error(re.sub(r"--(channel|instrument)\b", r"\1", str(error))) from None
+            *source_of(source), sample_rate_hz, precision == "single", *_instruments_of(instrument),
+            _channels_of(channel), *_tuning_of(tuning, keymap, a4_hz))
+    except _core.Error as error:  # options of the command line are arguments here; in a path they stand as they are
+        raise _core.Error(re.sub(r"(?<!\S)--(channel|instrument)(?![^\s:;,])", r"\1", str(error))) from None
     title = source if isinstance(source, str) else "score"
     sound = ScoreSound(title, {output: samples[:, 0] if samples.shape[1] == 1 else samples}, {output: unit}, sample_rate_hz, forces)
     sound.contacts = contacts
@@ -56,11 +54,21 @@ def play_score(source: str | os.PathLike[str] | Mapping[str, Any], *, sample_rat
 
 
 def _instruments_of(instrument):
-    if instrument is None:
-        return []
     if isinstance(instrument, Mapping):
-        return [f"{channel}={os.fspath(name)}" for channel, name in instrument.items()]
-    return [os.fspath(instrument)]
+        return "", [(str(channel), os.fspath(name)) for channel, name in instrument.items()]
+    return "" if instrument is None else os.fspath(instrument), []
+
+
+def _channels_of(channel):
+    channels = []
+    for number in [] if channel is None else channel if isinstance(channel, Iterable) else [channel]:
+        try:
+            channels.append(operator.index(number))
+        except TypeError:
+            channels.append(0)
+        if not 1 <= channels[-1] <= 16:
+            raise _core.Error(f"channel: {number!r} is refused; allowed: an integer from 1 to 16")
+    return channels
 
 
 def _tuning_of(tuning, keymap, a4_hz):

@@ -213,12 +213,38 @@ def test_a_midi_file_is_played_by_instruments_of_its_channels(tmp_path):
     assert np.allclose(mix.samples, expected, rtol=0, atol=1e-6 * np.max(np.abs(expected)))
     assert mix.contacts == piano.contacts + kit.contacts
     assert np.array_equal(cs.play_score(drums, instrument="kit").samples, cs.play_score(drums, instrument="kit", channel=[10]).samples)
+    one = cs.play_score(song, instrument="kit", channel=np.int64(10))
+    assert np.array_equal(one.samples, kit.samples)
     for wrong, arguments in {"which is for drums; allowed: channel 10 to play": {}, "instrument: '17=kit' names no channel": {
-            "instrument": {17: "kit"}}, "channel: 17 is refused; allowed: an integer from 1": {"channel": 17}}.items():
+            "instrument": {17: "kit"}}, "channel: 17 is refused; allowed: an integer from 1": {"channel": 17},
+            "channel: 'x' is refused": {"channel": "x"}, "'01' has two instruments": {"instrument": {1: "kit", "01": "piano"}}}.items():
         with pytest.raises(cs.Error, match=wrong):
             cs.play_score(drums, **arguments)
     with pytest.raises(cs.Error, match="are for MIDI files"):
         cs.play_score({"instrument": "kit"}, instrument="kit")
+
+
+def test_parts_are_mixed_by_the_controllers_of_their_channels(tmp_path):
+    song, plain = tmp_path / "song.mid", tmp_path / "plain.mid"
+    note = b"\0\x90\x3c\x60" b"\x30\x80\x3c\0" b"\0\xff\x2f\0"
+    for path, before in ((plain, b""), (song, b"\0\xb0\x07\x50" b"\0\xb0\x0a\0")):  # volume 80, pan hard left
+        path.write_bytes(SONG[:14] + b"MTrk" + (len(before) + len(note)).to_bytes(4, "big") + before + note)
+    tom = cs.play_score(plain, instrument={1: "tom"}).samples
+    mixed = cs.play_score(song, instrument={1: "tom"}).samples
+    assert tom.shape == (len(mixed),) and mixed.shape[1:] == (2,) and not mixed[:, 1].any()
+    assert np.allclose(mixed[:, 0], math.sqrt(2) * 0.8**2 * tom, rtol=0, atol=1e-6 * np.max(np.abs(tom)))
+
+
+def test_a_path_is_a_name_and_stands_in_messages_as_it_is(tmp_path, program):
+    folder = tmp_path / "a,b--channel"
+    folder.mkdir()
+    song, tom = folder / "song.mid", folder / "my=tom.json"
+    song.write_bytes(SONG)
+    tom.write_text(program("show", "tom", "--name", "my_tom").stdout)
+    played = cs.play_score(song, instrument=tom)
+    assert np.array_equal(cs.play_score(song, instrument={1: tom}).samples, played.samples)
+    with pytest.raises(cs.Error, match=r"a,b--channel/song\.mid: MIDI: no note is on channel 2; allowed: channel 1"):
+        cs.play_score(song, channel=2)
 
 
 def test_keys_are_tuned_by_files_of_scala(tmp_path):
