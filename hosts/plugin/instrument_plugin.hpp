@@ -25,6 +25,8 @@
 #include "contactspline/host/hosted.hpp"
 #include "contactspline/host/oversampled.hpp"
 #include "contactspline/host/replaceable.hpp"
+#include "contactspline/midi/midi_meaning.hpp"
+#include "contactspline/midi/midi_message.hpp"
 #include "contactspline/step/controls.hpp"
 #include "contactspline/step/flush_denormals.hpp"
 #include "contactspline/step/version.hpp"
@@ -225,6 +227,17 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
                         shown(p, presets.empty() ? control(p).initial : presets[index].values[this->numbers[p]]));
   }
 
+  // Of MIDI: the preset is seen in the window and by the host as if that had loaded it, but for what the performance
+  // holds (is_of_performance).
+  void take_program(std::size_t preset) {
+    if (preset >= instrument().presets().size()) return;
+    for (std::size_t p = 0; p < volume_index_; ++p)
+      if (!is_of_performance(control(p).name, control(p).controller))
+        setParameterValue(static_cast<std::uint32_t>(p),
+                          shown(p, instrument().presets()[preset].values[this->numbers[p]]));
+    take_values();
+  }
+
   // To the nearest one on a logarithmic scale; a value that is not a number does nothing.
   void set_oversampling(float value) {
     if (!is_number(value)) return;
@@ -338,7 +351,10 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     }
   }
 
+  // One message; in CLAP each has three bytes.
   void take(std::span<const std::uint8_t> bytes) {
+    if (bytes.size() == 3 && bytes[0] >= 0x80 && bytes[0] < 0xf0) bytes = bytes.first(1 + midi_data_bytes(bytes[0]));
+    if (bytes.size() == 2 && (bytes[0] & 0xf0) == 0xc0 && bytes[1] < 0x80) return take_program(bytes[1]);
     const auto message = midi_message(bytes);
     if (message && message->status == 0x90 && message->second > 0) ++notes_;
     if (message && message->status == 0xb0 && message->first == kVolumeController)
