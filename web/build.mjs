@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
-// build.mjs NODE_MODULES WASM_FOLDER FAUST_FOLDER OUTPUT.html: the page as one file, which plays from any static host
-// and from file://. CONTACTSPLINE_PAGE_ADDRESS in the environment: where it will stand, with preview.png beside it; links to the
+// build.mjs NODE_MODULES WASM_FOLDER FAUST_FOLDER LEVELS.json OUTPUT.html: the page as one file, which plays from any static
+// host and from file://. LEVELS.json: of levels.mjs. CONTACTSPLINE_PAGE_ADDRESS in the environment: where it will stand, with preview.png beside it; links to the
 // page then show that image.
 import { mkdirSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { basename, dirname, extname, join, resolve } from "node:path";
 import { gzipSync } from "node:zlib";
 
-const [modules, wasm, faust, output] = process.argv.slice(2);
+import { packedScores } from "./packed_scores.mjs";
+
+const [modules, wasm, faust, levels, output] = process.argv.slice(2);
 const source = dirname(new URL(import.meta.url).pathname);
 const esbuild = createRequire(join(resolve(modules), "x"))("esbuild");
 
@@ -25,14 +27,10 @@ function bundle(entry) {
   return outputFiles[0].text;
 }
 
-const withoutComments = (text) => JSON.parse(text.replace(/^\s*\/\/.*$/gm, ""));
-
-const assets = { processor: Buffer.from(bundle(join(source, "..", "hosts", "npm", "src", "processor.js"))) };
+const assets = { processor: Buffer.from(bundle(join(source, "..", "hosts", "npm", "src", "processor.js"))), worker: Buffer.from(bundle(join(source, "src", "worker.js"))) };
 for (const name of ["engine", "studies", "generator"]) assets[name] = readFileSync(join(wasm, `${name}.wasm`));
-const scores = join(source, "..", "data", "scores");
-const readers = { ".json": (bytes) => withoutComments(bytes.toString()), ".mid": (bytes) => ({ midi: bytes.toString("base64") }) };
-const read = (file) => readers[extname(file)](readFileSync(join(scores, file)));
-assets.scores = JSON.stringify(Object.fromEntries(readdirSync(scores).map((file) => [basename(file, extname(file)), read(file)])));
+assets.scores = JSON.stringify(packedScores());
+assets.levels = readFileSync(levels);
 for (const file of readdirSync(faust))
   assets[`${basename(file, extname(file))}-${extname(file) === ".wasm" ? "wasm" : "json"}`] = readFileSync(join(faust, file));
 

@@ -85,6 +85,8 @@ const decibels = (amplitude) => 20 * Math.log10(amplitude);
 const largest = (list) => list.reduce((max, x) => Math.max(max, Math.abs(x)), 0);
 const strike = (key, velocity = 1) => ({ do: "noteOn", key, velocity });
 
+const kMostOfThread = 24; // milliseconds at a quarter of a processor's speed: twice what a quiet machine may need
+
 /** Moves a slider as a user does. */
 const slide = (page, label, value) =>
   page.getByLabel(label, { exact: true }).first().evaluate((input, to) => {
@@ -98,8 +100,8 @@ async function sounded(page, seconds) {
   await page.waitForFunction((end) => contactSpline.page.audio.context.currentTime >= end, now + seconds);
 }
 
-/** Waits until the slow motion of the last strike is shown, also of what the strike has set: by a timer of the page after its own. */
-const studied = (page) => page.evaluate(() => new Promise((done) => setTimeout(done, 120)));
+/** Waits until the slow motion of the last strike is shown, also of what the strike has set. */
+const studied = (page) => page.evaluate(() => contactSpline.page.studied);
 
 /** Drags with the mouse from a place in an element by (dx, dy), all in pixels. Waits until the element stands still. */
 async function drag(page, element, { x, y }, dx, dy) {
@@ -343,7 +345,7 @@ const casesOfOnePage = {
         input.value = to;
         input.dispatchEvent(new Event("input", { bubbles: true }));
       }, step);
-      return page.evaluate(() => contactSpline.page.comparison.verdict);
+      return page.evaluate(() => contactSpline.page.comparison.drawn.then(() => contactSpline.page.comparison.verdict));
     };
     const alike = await verdict(250); // of 1000 steps: the felt as it is
     assert.ok(alike.fd.bounded && Math.abs(alike.fd.peak / alike.ours.peak - 1) < 0.05, JSON.stringify(alike));
@@ -368,10 +370,12 @@ const casesOfOnePage = {
 
   async "both sides of the comparison are as loud"(page) {
     for (const ratio of [1, 200, 1000]) {
-      const peaks = await page.evaluate((ratio) => {
+      const peaks = await page.evaluate(async (ratio) => {
         const { comparison } = contactSpline.page;
         comparison.setStiffness(ratio);
-        return [comparison.ours(1.5), comparison.theirs(1.5)].map((list) => comparison.levelled(list).samples.reduce((m, x) => Math.max(m, Math.abs(x)), 0));
+        await comparison.drawn;
+        const { ours, theirs } = await comparison.strikes(1.5);
+        return [ours, theirs].map((list) => comparison.levelled(list).samples.reduce((m, x) => Math.max(m, Math.abs(x)), 0));
       }, ratio);
       for (const peak of peaks) assert.ok(Math.abs(decibels(peak) - decibels(0.2)) < 0.1, `at ${ratio}: peaks ${peaks}`);
     }
@@ -647,7 +651,10 @@ const cases = {
         await page.evaluate((chapter) => contactSpline.page.story.go(chapter), chapter);
         await page.waitForFunction((chapter) => contactSpline.page.story.chapter === chapter, chapter);
       };
-      const said = (chapter) => page.locator(`#chapter-${chapter} .note[role='status']`).textContent();
+      const said = async (chapter) => {
+        await page.evaluate(() => Promise.all([contactSpline.page.comparison.drawn, contactSpline.page.story.answered]));
+        return page.locator(`#chapter-${chapter} .note[role='status']`).textContent();
+      };
       const move = async (chapter, part) => {
         const input = page.locator(`#chapter-${chapter} .live .control input`);
         assert.equal(await input.count(), 1, `chapter ${chapter}: controls`);
@@ -663,7 +670,7 @@ const cases = {
       for (const [chapter, figure] of [[1, "#comparison"], [2, "#story-blows"], [3, "#story-spline"], [4, "#story-step"]]) {
         await into(chapter);
         const before = await said(chapter);
-        await drag(page, page.locator(figure), { x: 200, y: 100 }, 100, 0);
+        await drag(page, page.locator(figure), { x: 400, y: 100 }, chapter === 1 ? -100 : 100, 0); // chapter 1 begins at its end
         await page.mouse.up();
         assert.notEqual(await said(chapter), before, `a drag in chapter ${chapter}`);
       }
@@ -671,8 +678,8 @@ const cases = {
       for (const [a, part] of [[1, 0], [2.5, 0.5], [4, 1]]) {
         const [soft, hard] = [...(await move(2, part)).matchAll(/([\d.]+) ms/g)].map(([, number]) => Number(number));
         const expected = (0.5 / 4) ** ((1 - a) / (1 + a));
-        // Both times are whole samples, and three digits are shown: 0.03 ms of at least 0.4 ms.
-        assert.ok(Math.abs(soft / hard / expected - 1) < 0.1, `exponent ${a}: ${soft} over ${hard} ms, not ${expected}`);
+        // Three digits are shown, of a spline that is within 0.1 % of the law.
+        assert.ok(Math.abs(soft / hard / expected - 1) < 0.005, `exponent ${a}: ${soft} over ${hard} ms, not ${expected}`);
       }
       await into(3);
       const within = [];
@@ -684,7 +691,7 @@ const cases = {
         const { mean, force } = await page.evaluate(() => contactSpline.page.story.solved);
         assert.ok(force > 10 && Math.abs(mean / force - 1) < 1e-9, `the force of the engine, ${force} N, and the mean force there, ${mean} N`);
       }
-      for (const chapter of [5, 6, 7]) {
+      for (const chapter of [6, 7]) {
         await into(chapter);
         const first = await said(chapter);
         assert.match(first, /at most [\d.]+ N/);
@@ -716,9 +723,12 @@ const cases = {
   async "the story shows where the energy of many contacts is"() {
     await withPage(server.address, async (page) => {
       await page.evaluate(() => contactSpline.page.story.go(6));
-      const read = () => page.evaluate(() => contactSpline.page.story.energies.data().map((column) => Array.from(column)));
+      const read = () => page.evaluate(async () => {
+        await contactSpline.page.story.answered;
+        return contactSpline.page.story.energies.data().map((column) => Array.from(column));
+      });
       const [time, all, string, contacts, lost] = await read();
-      assert.ok(time.length > 1000 && time[0] === 0 && time.at(-1) > 25 && time.at(-1) < 35, `${time.at(-1)} ms`);
+      assert.ok(time.length > 300 && time[0] === 0 && time.at(-1) > 25 && time.at(-1) < 35, `${time.at(-1)} ms`);
       assert.ok(all[0] === 0 && largest(string) > 50 && largest(contacts) > 0.01, "the string, and what it grazes");
       for (let i = 1; i < time.length; ++i) {
         assert.ok(lost[i] >= lost[i - 1] && contacts[i] > -1e-9, `${time[i]} ms: ${contacts[i]} %, lost ${lost[i]} %`);
@@ -726,12 +736,295 @@ const cases = {
         if (time[i] > 15) assert.ok(Math.abs(all[i] - 100) < 1e-9, `${time[i]} ms: ${all[i]} %`);
       }
       assert.match(await page.locator("#chapter-6 .note[role='status']").textContent(), /Energy balances within [\d.]+ × 10⁻¹./);
+      // Each note begins at rest, and its energy is that of the finger alone.
+      for (const part of [0, 0.5, 1]) {
+        await page.locator("#chapter-6 .control input").evaluate((input, part) => {
+          input.value = Number(input.min) + part * (input.max - input.min);
+          input.dispatchEvent(new Event("input"));
+        }, part);
+        const [times, sum] = await read();
+        assert.ok(times.every((ms, i) => ms > 0.01 || sum[i] < 1e-9), "at rest");
+        const work = await page.evaluate(() => contactSpline.page.story.stages.get(document.getElementById("chapter-6")).study.scene.work);
+        assert.ok(Math.abs(work / 9.7e-4 - 1) < 0.01, `bridge at ${part}: ${work} J are put in`);
+      }
       // Far below the string the bridge touches nothing.
       await page.locator("#chapter-6 .control input").evaluate((input) => {
         input.value = input.max;
         input.dispatchEvent(new Event("input"));
       });
       await page.waitForFunction((before) => Math.max(...contactSpline.page.story.energies.data()[3]) !== before, Math.max(...contacts));
+    });
+  },
+
+  async "chapter 1 begins where the other scheme explodes, and plays both in turn"() {
+    await withPage(server.address, async (page) => {
+      const { ratio, verdict, both } = await page.evaluate(async () => {
+        const { comparison, audio } = contactSpline.page;
+        await comparison.drawn;
+        const play = audio.play;
+        const sound = new Promise((done) => (audio.play = (samples) => (done(samples), play.call(audio, samples))));
+        document.getElementById("play-both").click();
+        const samples = await sound;
+        const peak = (from, to) => samples.subarray(Math.round(from * 44100), Math.round(to * 44100)).reduce((max, x) => Math.max(max, Math.abs(x)), 0);
+        return { ratio: comparison.stiffness.get(), verdict: comparison.verdict, both: { seconds: samples.length / 44100, last: peak(samples.length / 44100 - 1.5, 99), first: peak(0, 0.5) } };
+      });
+      assert.equal(ratio, 1000);
+      assert.ok(!verdict.fd.bounded || verdict.fd.peak > 4 * verdict.ours.peak, JSON.stringify(verdict));
+      assert.ok(both.seconds > 1.9 && both.first > 0.1 && both.last > 0.1, JSON.stringify(both));
+    });
+  },
+
+  async "the energy of the contact step stays, and that of fd.hammer grows where it is stiff"() {
+    await withPage(server.address, async (page) => {
+      await page.evaluate(() => contactSpline.page.story.go(5));
+      await page.waitForFunction(() => contactSpline.page.story.chapter === 5);
+      // Half of the mass of C4 times the square of 2.5 m/s.
+      assert.match(await page.waitForFunction(() => document.querySelector("#chapter-5 .note[role='status']").textContent).then((told) => told.jsonValue()), /^Thrown: 9.28 mJ/);
+      for (const [ratio, grows] of [[1, false], [30, false], [100, true], [1000, true]]) {
+        const { within, end, data, work } = await page.evaluate((ratio) => contactSpline.page.background.ask("energies", ratio), ratio);
+        const theirs = data[2].filter((energy) => energy !== null);
+        console.log(`  ratio ${ratio}: contact step within ${within.toExponential(1)}, fd.hammer up to ${Math.max(...theirs).toFixed(1)} %, at the end ${(100 * end).toFixed(0)} %`);
+        assert.ok(Math.abs(work - (0.00297 * 2.5 ** 2) / 2) < 1e-12 && within < 1e-13, `${work} J, within ${within}`);
+        // The hammer that is followed beside the string's motion is the one that moved it: without stiffness all is kept.
+        if (!grows) assert.ok(theirs.every((energy) => Math.abs(energy - 100) < (ratio === 1 ? 0.2 : 1)), `ratio ${ratio}: ${Math.min(...theirs)} to ${Math.max(...theirs)} %`);
+        else assert.ok(Math.max(...theirs) > 150 && end > 4, `ratio ${ratio}: ${end}`);
+      }
+    });
+  },
+
+  async "durations and forces are those of `contactspline impact`"() {
+    await withPage(server.address, async (page) => {
+      const impact = (material, speed) => {
+        const path = join(folder, "impact.json");
+        if (material.startsWith("{")) writeFileSync(path, material);
+        const all = JSON.parse(execFileSync(program, ["impact", material.startsWith("{") ? path : material, "--speed", String(speed), "--rate", "352800", "--json"], { encoding: "utf8" }));
+        return { ...all[0], ...all[0].motions.find(({ model }) => model === "simulated") };
+      };
+      const shipped = await page.evaluate(() => contactSpline.page.editor.shipped);
+      for (const [name, speed] of [["felt_c4", 2], ["felt_c2", 1], ["rubber_on_wood", 1], ["steel_on_steel", 0.5], ["mb1", 2]]) {
+        const { mass_kg, contact_duration_s, max_force_n } = impact(name, speed);
+        const told = await page.evaluate((given) => contactSpline.page.background.ask("blow", given), { text: shipped[name], speed, mass: mass_kg });
+        console.log(`  ${name}: ${(1000 * told.duration).toFixed(4)} ms, ${told.force.toFixed(3)} N; the program: ${(1000 * contact_duration_s).toFixed(4)} ms, ${max_force_n.toFixed(3)} N`);
+        for (const [ours, theirs] of [[told.duration, contact_duration_s], [told.force, max_force_n]]) assert.equal(ours.toPrecision(3), theirs.toPrecision(3), name);
+      }
+      // What the story says, of a spring, too, at which both blows last as long.
+      for (const [a, part] of [[1, 0], [2.5, 0.5], [4, 1]]) {
+        await page.evaluate(() => contactSpline.page.story.go(2));
+        await page.locator("#chapter-2 .control input").evaluate((input, part) => {
+          input.value = Number(input.min) + part * (input.max - input.min);
+          input.dispatchEvent(new Event("input"));
+        }, part);
+        await page.evaluate(() => contactSpline.page.story.answered);
+        const told = [...(await page.locator("#chapter-2 .note[role='status']").textContent()).matchAll(/([\d.]+) ms, at most ([\d.]+) N/g)];
+        const felt = { name: "felt", contact: { stiffness_n_per_m_alpha: (4.5e9 * 5e-4 ** 2.5) / 5e-4 ** a, exponent: a }, impact: { mass_kg: 0.00297, max_speed_m_per_s: 6, min_speed_m_per_s: 0.1 }, spline: { knots: "uniform", segments: 40 } };
+        [0.5, 4].forEach((speed, k) => {
+          const { contact_duration_s, max_force_n } = impact(JSON.stringify(felt), speed);
+          assert.deepEqual(told[k].slice(1).map(Number), [1000 * contact_duration_s, max_force_n].map((x) => Number(x.toPrecision(3))), `exponent ${a}, ${speed} m/s`);
+        });
+      }
+      // The scene of a strike by its energy and force, against `render`'s model in another precision: engine_test.mjs.
+    });
+  },
+
+  async "pieces are equally loud, and have no offset"() {
+    await withPage(server.address, async (page) => {
+      const names = await page.evaluate(() => [...contactSpline.page.scores.keys()]);
+      const levels = [];
+      for (const name of names) {
+        const { powers, mean, peak } = await page.evaluate(async (name) => {
+          const { page, renderOffline, performanceOf, instrumentOf } = contactSpline;
+          const instrument = instrumentOf(page.scores.get(name), page.instruments);
+          const played = { ...performanceOf(page.scores.get(name), page.instruments.get(instrument)), gain: page.gainOfScore(name) };
+          const seconds = played.messages.at(-1).at;
+          const channels = await renderOffline([page.instrumentMessage(instrument), { do: "score", ...played }], seconds);
+          // The browser's own spectra, weighted by the formula of IEC 61672-1; a quarter apart, so that its windows add up to 1, nine for a part of 0.42 s.
+          const weight = (f) => (12194 ** 2 * f ** 4) / ((f ** 2 + 20.6 ** 2) * Math.sqrt((f ** 2 + 107.7 ** 2) * (f ** 2 + 737.9 ** 2)) * (f ** 2 + 12194 ** 2));
+          const size = 8192, hop = size / 4;
+          const powers = [];
+          for (const samples of channels) {
+            const context = new OfflineAudioContext(1, samples.length, 44100);
+            const buffer = new AudioBuffer({ length: samples.length, sampleRate: 44100 });
+            buffer.copyToChannel(samples, 0);
+            const source = new AudioBufferSourceNode(context, { buffer });
+            const analyser = new AnalyserNode(context, { fftSize: size, smoothingTimeConstant: 0, minDecibels: -200 });
+            source.connect(analyser).connect(context.destination);
+            source.start();
+            const parts = Math.floor(samples.length / hop);
+            const spectrum = new Float32Array(size / 2);
+            for (let part = 1; part <= parts; ++part)
+              context.suspend((part * hop) / 44100).then(() => {
+                analyser.getFloatFrequencyData(spectrum);
+                const power = spectrum.reduce((sum, level, k) => sum + 10 ** (level / 10) * (1.2589 * weight((k * 44100) / size)) ** 2, 0);
+                const at = Math.floor(part / 9);
+                powers[at] = (powers[at] ?? 0) + power;
+                context.resume();
+              });
+            await context.startRendering();
+          }
+          const mean = Math.max(...channels.map((samples) => Math.abs(samples.reduce((sum, x) => sum + x, 0) / samples.length)));
+          return { powers, mean, peak: Math.max(...channels.map((samples) => samples.reduce((max, x) => Math.max(max, Math.abs(x)), 0))) };
+        }, name);
+        const average = (list) => list.reduce((sum, x) => sum + x, 0) / list.length;
+        const level = 10 * Math.log10(average(powers.filter((power) => power > 0.1 * average(powers))));
+        levels.push(level);
+        console.log(`  ${name}: ${level.toFixed(1)} dB(A), peak ${peak.toFixed(2)}, offset ${mean.toExponential(1)}`);
+        assert.ok(mean < 2e-3, `${name}: an offset of ${mean}`);
+      }
+      const apart = Math.max(...levels) - Math.min(...levels);
+      assert.ok(apart < 3, `${apart} dB apart`);
+    });
+  },
+
+  async "nothing is drawn at rest, out of view and in hidden tabs"() {
+    await withPage(server.address, async (page) => {
+      await page.evaluate(() => {
+        contactSpline.frames = 0;
+        const { requestAnimationFrame } = globalThis;
+        globalThis.requestAnimationFrame = (call) => requestAnimationFrame((now) => (++contactSpline.frames, call(now)));
+      });
+      const frames = (milliseconds) => page.evaluate(async (milliseconds) => {
+        const before = contactSpline.frames;
+        await new Promise((done) => setTimeout(done, milliseconds));
+        return contactSpline.frames - before;
+      }, milliseconds);
+      await page.waitForTimeout(500);
+      assert.equal(await frames(1000), 0, "at rest");
+      await page.keyboard.press("a");
+      await page.waitForFunction(() => contactSpline.page.stage.isPlaying);
+      assert.ok((await frames(1500)) > 15, "a strike");
+      await page.evaluate(() => document.getElementById("editor").scrollIntoView({ behavior: "instant" }));
+      await page.waitForTimeout(300);
+      assert.ok((await frames(1000)) < 3, "out of view");
+      await page.evaluate(() => scrollTo({ top: 0, behavior: "instant" }));
+      await page.waitForTimeout(300);
+      assert.ok((await frames(1000)) > 10, "again in view");
+      // The sound of a hidden tab rests, too, when it has been silent for a while, and begins again.
+      await page.evaluate(() => {
+        Object.defineProperty(document, "hidden", { value: true, configurable: true });
+        contactSpline.page.audio.send({ do: "noteOff", key: 60 });
+      });
+      await page.waitForFunction(() => contactSpline.page.audio.context.state === "suspended");
+      await page.evaluate(() => contactSpline.page.takeMidi([0x90, 60, 90]));
+      await page.waitForFunction(() => contactSpline.page.audio.context.state === "running");
+    });
+  },
+
+  async "a note of MIDI is not let go before it has begun"() {
+    await withPage(server.address, async (page) => {
+      const sent = await page.evaluate(async () => {
+        const { page } = contactSpline;
+        const send = page.audio.send.bind(page.audio);
+        const sent = [];
+        page.audio.send = (message) => (message.do === "midi" && sent.push([...message.bytes, performance.now()]), send(message));
+        const messages = [[0x90, 60, 90], [0x80, 60, 0], [0x91, 60, 90], [0x91, 60, 0], [0xb0, 64, 127], [0x90, 62, 90], [0x80, 62, 0], [0x90, 62, 50]];
+        await Promise.all(messages.map((bytes) => page.takeMidi(bytes))); // while the sound starts
+        return sent;
+      });
+      const of = (channel, key) => sent.filter(([status, other]) => (status & 15) === channel && other === key);
+      for (const channel of [0, 1]) {
+        const [on, off] = of(channel, 60);
+        assert.ok(on[2] === 90 && off[2] === 0 && off[3] - on[3] >= 50, `channel ${channel}: held for ${off[3] - on[3]} ms`);
+      }
+      assert.deepEqual(of(0, 62).map(([, , velocity]) => velocity), [90, 50], "struck again: it stays down");
+    });
+  },
+
+  async "the sentence at the top is of what plays, and what letters do is kept"() {
+    await withPage(server.address, async (page) => {
+      const title = () => page.locator("h1").textContent();
+      assert.match(await title(), /^A piano hammer touches/);
+      const instruments = await page.evaluate(() => [...contactSpline.page.instruments.values()].map(({ name, title }) => [name, title]));
+      for (const [name, words] of instruments.filter(([name]) => !["hammer_on_string", "piano"].includes(name))) {
+        await page.selectOption("#instrument", name);
+        assert.ok((await title()).toLowerCase().startsWith(words) && !/piano hammer/.test(await title()), `${name}: ${await title()}`);
+      }
+      await page.selectOption("#instrument", "piano");
+      assert.match(await title(), /^A piano hammer touches/);
+      for (const isOn of [false, true]) {
+        await page.locator("#letters").setChecked(isOn);
+        await page.reload();
+        await page.evaluate(() => contactSpline.loaded);
+        assert.equal(await page.locator("#letters").isChecked(), isOn);
+        assert.equal(await page.evaluate(() => contactSpline.page.keys.hasLetters), isOn);
+      }
+    });
+  },
+
+  async "speed and energy of a pull agree"() {
+    await withPage(server.address, async (page) => {
+      for (const instrument of ["hammer_on_string", "mass_barrier"]) {
+        await page.selectOption("#instrument", instrument);
+        await page.evaluate(() => contactSpline.page.stage.rest());
+        await drag(page, page.locator("#stage"), await page.evaluate(() => contactSpline.page.stage.hold), 0, 50);
+        const told = await page.evaluate(() => {
+          const { stage } = contactSpline.page;
+          const written = [];
+          const write = stage.write.bind(stage);
+          stage.write = (context, text, ...rest) => (written.push(text), write(context, text, ...rest));
+          stage.draw();
+          delete stage.write;
+          return { energy: parseFloat(written.find((text) => text.endsWith(" mJ"))), speed: parseFloat(stage.pulled.text) };
+        });
+        const mass = instrument === "mass_barrier" ? 0.003 : 0.00297;
+        assert.ok(Math.abs(told.energy / ((1000 * mass * told.speed ** 2) / 2) - 1) < 0.02, `${instrument}: ${told.speed} m/s beside ${told.energy} mJ`);
+        await page.mouse.up();
+        await page.waitForFunction(() => contactSpline.page.stage.pulled === null);
+        await page.waitForFunction((energy) => Math.abs((1000 * contactSpline.page.stage.study.scene.work) / energy - 1) < 0.01, told.energy);
+      }
+    });
+  },
+
+  async "a frame and a step of dragging take little of the page's thread"() {
+    await withPage(server.address, async (page) => {
+      const thread = await page.context().newCDPSession(page);
+      const browser = await page.context().browser().newBrowserCDPSession();
+      // Processor time of the tasks of the page's thread, of a processor at a quarter of its speed [ms].
+      const tasksOf = async (use) => {
+        const events = [];
+        browser.on("Tracing.dataCollected", ({ value }) => events.push(...value));
+        await browser.send("Tracing.start", { transferMode: "ReportEvents", traceConfig: { includedCategories: ["devtools.timeline", "disabled-by-default-devtools.timeline", "__metadata"] } });
+        await use();
+        const complete = new Promise((done) => browser.once("Tracing.tracingComplete", done));
+        await browser.send("Tracing.end");
+        await complete;
+        browser.removeAllListeners("Tracing.dataCollected");
+        const threads = new Set(events.filter(({ name, args }) => name === "thread_name" && args.name === "CrRendererMain").map(({ pid, tid }) => `${pid} ${tid}`));
+        return events.filter(({ name, pid, tid, tdur }) => name === "RunTask" && tdur > 0 && threads.has(`${pid} ${tid}`)).map(({ tdur }) => (4 * tdur) / 1000);
+      };
+      const middle = (list, part) => list.toSorted((a, b) => a - b)[Math.floor(part * list.length)];
+      const told = {};
+      for (const instrument of ["hammer_on_string", "tom"]) {
+        await page.selectOption("#instrument", instrument);
+        await page.evaluate(() => contactSpline.page.strikeOnce(60));
+        await page.waitForTimeout(1000);
+        const tasks = await tasksOf(() => page.waitForTimeout(1500));
+        told[`a frame of ${instrument}`] = middle(tasks.filter((task) => task > 2), 0.5);
+      }
+      for (const chapter of [1, 2, 3, 4, 5, 6, 7]) {
+        await page.evaluate((chapter) => contactSpline.page.story.go(chapter), chapter);
+        await page.waitForFunction((chapter) => contactSpline.page.story.chapter === chapter, chapter);
+        await page.evaluate(() => contactSpline.page.story.answered);
+        const input = page.locator(`#chapter-${chapter} .control input`);
+        const { x, y, width, height } = await input.boundingBox();
+        await page.mouse.move(x + 0.3 * width, y + height / 2);
+        await page.mouse.down();
+        const tasks = await tasksOf(async () => {
+          for (let i = 1; i <= 20; ++i) {
+            await page.mouse.move(x + (0.3 + 0.03 * i) * width, y + height / 2);
+            await page.evaluate(async () => {
+              const frame = () => new Promise(requestAnimationFrame);
+              await frame();
+              await Promise.all([contactSpline.page.comparison.drawn, contactSpline.page.story.answered]);
+              await frame();
+            });
+          }
+        });
+        await page.mouse.up();
+        told[`a drag in chapter ${chapter}`] = tasks.toSorted((a, b) => b - a)[10]; // each step has a task that draws
+      }
+      for (const [name, milliseconds] of Object.entries(told)) console.log(`  ${name}: ${milliseconds.toFixed(1)} ms`);
+      for (const [name, milliseconds] of Object.entries(told)) assert.ok(milliseconds < kMostOfThread, `${name}: ${milliseconds} ms`);
+      await thread.detach();
     });
   },
 
@@ -749,7 +1042,7 @@ const cases = {
   },
 
   async "a lecture embeds the stage or a chapter alone"() {
-    for (const [query, shown, hidden] of [["?embed", "#stage", "#chapter-1"], ["?embed=5", "#chapter-5", "#play"], ["?embed=constructor", "#stage", "#chapter-5"],
+    for (const [query, shown, hidden] of [["?embed", "#stage", "#chapter-1"], ["?embed=7", "#chapter-7", "#play"], ["?embed=constructor", "#stage", "#chapter-5"],
       ["?embed=5.5", "#stage", "#chapter-5"]]) {
       await withPage(`${server.address}${query}`, async (page) => {
         assert.ok(await page.locator(shown).isVisible(), `${query}: ${shown}`);
@@ -757,7 +1050,7 @@ const cases = {
         assert.ok(await page.getByText("the whole page").isVisible());
         await page.waitForFunction((query) => {
           const { stage, story } = contactSpline.page;
-          return (query === "?embed=5" ? story.stages.get(document.getElementById("chapter-5")) : stage)?.at > 0;
+          return (query === "?embed=7" ? story.stages.get(document.getElementById("chapter-7")) : stage)?.at > 0;
         }, query);
         const size = await page.evaluate(() => document.documentElement.scrollHeight);
         console.log(`  ${query}: ${size} pixels high at 1280 wide`);
@@ -1408,8 +1701,8 @@ const cases = {
       await page.getByText("a = 3.3.").waitFor();
       await page.waitForFunction(() => location.hash.includes("text="));
       const own = await law();
-      await page.evaluate(() => contactSpline.page.story.go(5));
-      await page.locator("#chapter-5").getByRole("button", { name: "Hear it" }).click();
+      await page.evaluate(() => contactSpline.page.story.go(7));
+      await page.locator("#chapter-7").getByRole("button", { name: "Hear it" }).click();
       await page.waitForFunction((own) => contactSpline.page.editor.current.law !== own, own); // the story has its own material
       await page.waitForFunction(() => location.hash.includes("material=felt_c4"));
       await page.getByRole("button", { name: "Undo" }).click();

@@ -26,6 +26,9 @@ export function moduleAsset(name) {
 /** An asset that is JSON. */
 export const jsonAsset = async (name) => JSON.parse(new TextDecoder().decode(await asset(name)));
 
+/** An asset that is a script, as a blob: URL, for a thread that gets compiled modules. */
+export const blobUrl = async (name) => URL.createObjectURL(new Blob([await asset(name)], { type: "text/javascript" }));
+
 /** An asset that is a script, as a data: URL. From file://, worklets load from no other URL. */
 export async function scriptUrl(name) {
   let text = "";

@@ -9,9 +9,12 @@ export const kSampleRate = 44100;
 /** How long a buffer of the device should be [s]. The shortest has gaps when the browser's other threads are busy. */
 const kBuffer = 0.02;
 
+const kSilent = 1e-5; // of full scale
+const kRest = 5000; // milliseconds of silence
+
 /** A node of the audio thread in any context, with messages that it takes before its first block. */
 const makeNode = async (context, messages) =>
-  ContactSpline.open(context, await scriptUrl("processor"), await moduleAsset("engine"), messages, { isLimited: true, isReported: true });
+  ContactSpline.open(context, await scriptUrl("processor"), await moduleAsset("engine"), messages, { isLimited: true, isReported: true, isCentred: true });
 
 /** The sound, which starts with the first gesture, as browsers demand. `send` before that is kept. */
 export class Audio {
@@ -29,7 +32,15 @@ export class Audio {
     if (this.context.state !== "running") this.context.resume();
   }
 
+  /** Lets the sound rest in a hidden tab that has been silent for a while, until something is played or the tab is seen. */
+  restIfHidden(peak, isNeeded) {
+    const now = performance.now();
+    if (!document.hidden || peak > kSilent || isNeeded || this.isRecording) this.heardAt = now;
+    else if (now - this.heardAt > kRest && this.context.state === "running") this.context.suspend();
+  }
+
   async open() {
+    document.addEventListener("visibilitychange", () => !document.hidden && this.context.resume());
     this.context = new AudioContext({ sampleRate: kSampleRate, latencyHint: kBuffer });
     this.context.resume();
     this.node = await makeNode(this.context, this.waiting);
@@ -50,12 +61,14 @@ export class Audio {
   /** Begins to keep what the instrument plays. */
   async record() {
     this.recorded = [];
+    this.isRecording = true;
     await this.start();
     this.send({ do: "record", isOn: true });
   }
 
   /** Ends it. Returns blocks of samples, each with its channels. */
   stopRecording() {
+    this.isRecording = false;
     this.send({ do: "record", isOn: false });
     return this.recorded;
   }

@@ -8,17 +8,17 @@ const kFormats = ["video/webm;codecs=vp9,opus", "video/webm;codecs=vp8,opus", "v
 const format = () => kFormats.find((name) => globalThis.MediaRecorder?.isTypeSupported(name));
 
 export class Clip {
-  /** button starts and ends a clip of a canvas; audio: audio.js. It is hidden where the browser records none. */
-  constructor(button, canvas, audio) {
-    Object.assign(this, { button, canvas, audio, recorder: null });
-    button.hidden = !format() || !canvas.captureStream;
+  /** button starts and ends a clip of a stage, which then moves out of view, too; audio: audio.js. It is hidden where the browser records none. */
+  constructor(button, stage, audio) {
+    Object.assign(this, { button, stage, audio, recorder: null });
+    button.hidden = !format() || !stage.canvas.captureStream;
     button.addEventListener("click", () => (this.recorder ? this.recorder.stop() : this.start()));
   }
 
   async start() {
     this.button.disabled = true; // until it records
     const sound = await this.audio.stream().finally(() => (this.button.disabled = false));
-    const stream = new MediaStream([...this.canvas.captureStream(kFrames).getVideoTracks(), ...sound.getAudioTracks()]);
+    const stream = new MediaStream([...this.stage.canvas.captureStream(kFrames).getVideoTracks(), ...sound.getAudioTracks()]);
     const parts = [];
     this.recorder = new MediaRecorder(stream, { mimeType: format() });
     this.recorder.addEventListener("dataavailable", ({ data }) => parts.push(data));
@@ -36,6 +36,8 @@ export class Clip {
   }
 
   show(isOn) {
+    this.stage.isKept = isOn;
+    this.stage.moves();
     this.button.setAttribute("aria-pressed", String(isOn));
     this.button.textContent = isOn ? "Stop and save" : "Record clip";
   }

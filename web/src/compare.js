@@ -1,29 +1,16 @@
 // SPDX-License-Identifier: MIT
 // The same strike by Faust's fd.hammer and by the contact step, side by side.
-import { jsonAsset, moduleAsset } from "./assets.js";
 import { readable, slider } from "./controls.js";
-import { startProgram } from "./faust_program.js";
 import { linePlot } from "./plots.js";
 
 const kShown = 0.008; // seconds
 const kHeard = 1.5;
+const kPause = 0.4;
+const kTold = 0.25;
 const kBound = 0.05; // metres: no string swings so far
 const kPeak = 0.2; // of full scale: both play equally loud
 
 const byId = (id) => document.getElementById(id);
-
-/** The displacement [m] by fd.hammer, of so many samples. */
-function renderFd(module, description, stiffness, samples, sampleRate) {
-  const program = startProgram(module, description, sampleRate);
-  program.set("stiffness ratio", stiffness);
-  program.set("strike", 1);
-  const out = new Float32Array(samples);
-  for (let i = 0; i < samples; i += 128) {
-    const count = Math.min(128, samples - i);
-    out.set(program.process(count)[0].subarray(0, count), i);
-  }
-  return out;
-}
 
 /** What a displacement tells: its peak [m], or that it grew beyond all bounds. */
 function verdict(samples, bound) {
@@ -50,32 +37,25 @@ function audible(samples, bound) {
 const peakOf = (samples) => samples.reduce((peak, value) => Math.max(peak, Math.abs(value)), 0);
 
 export class Comparison {
-  /** reference: studies whose material is felt_c4. play(samples) sounds; change() after each new stiffness. */
-  constructor(reference, sampleRate, play, change) {
-    Object.assign(this, { reference, sampleRate, change });
+  /** background: computes both strikes (worker.js). play(samples) sounds; change() after each new stiffness. */
+  constructor(background, sampleRate, play, change) {
+    Object.assign(this, { background, sampleRate, change });
     this.plot = linePlot(byId("comparison"), {
       x: "time [ms]",
       y: "displacement [mm]",
       height: 280,
       lines: [{ label: "contact step", colour: "blue", width: 3 }, { label: "fd.hammer", colour: "orange", dash: [6, 3] }],
     });
-    this.stiffness = slider({ label: "stiffness ratio", min: 0.1, max: 1000, init: 1, isLogarithmic: true }, () => {
+    this.stiffness = slider({ label: "stiffness ratio", min: 0.1, max: 1000, init: 1000, isLogarithmic: true }, () => {
       this.draw();
       change();
     });
     byId("compare-controls").append(this.stiffness.box);
-    byId("play-ours").addEventListener("click", () => play(this.levelled(this.ours(kHeard)).samples));
-    byId("play-fd").addEventListener("click", () => play(this.levelled(this.theirs(kHeard)).samples));
+    byId("play-both").addEventListener("click", async () => play(await this.inTurn()));
   }
 
   setStiffness(ratio) {
     this.stiffness.set(ratio);
-    this.draw();
-  }
-
-  async load() {
-    this.description = await jsonAsset("fd_hammer_c4-json");
-    this.module = await moduleAsset("fd_hammer_c4-wasm");
     this.draw();
   }
 
@@ -86,20 +66,30 @@ export class Comparison {
     return { peak, samples: samples.map((value) => (value * kPeak) / Math.max(peak, 1e-30)) };
   }
 
-  ours(seconds) {
-    return this.reference.strikeC4(this.stiffness.get(), Math.round(seconds * this.sampleRate));
+  /** Both strikes as long as they are heard [m]: { ours, theirs }. */
+  strikes(seconds) {
+    return this.background.ask("strikes", { ratio: this.stiffness.get(), seconds });
   }
 
-  theirs(seconds) {
-    return renderFd(this.module, this.description, this.stiffness.get(), Math.round(seconds * this.sampleRate), this.sampleRate);
+  /** fd.hammer, a pause, and the contact step, as sound. */
+  async inTurn() {
+    const { ours, theirs } = await this.strikes(kHeard);
+    const [first, second] = [theirs, ours].map((displacement) => this.levelled(displacement).samples);
+    const pause = Math.round(kPause * this.sampleRate);
+    const both = new Float32Array(first.length + pause + second.length);
+    both.set(first);
+    both.set(second, first.length + pause);
+    return both;
   }
 
+  /** The figure follows the stiffness. */
   draw() {
-    if (!this.module) return; // a link may set the stiffness before it is loaded
-    const ours = this.ours(0.25);
-    const theirs = this.theirs(0.25);
+    this.drawn = this.background.latest("comparison", "strikes", { ratio: this.stiffness.get(), seconds: kTold }).then((both) => both && this.show(both));
+  }
+
+  show({ ours, theirs }) {
     const samples = Math.round(kShown * this.sampleRate);
-    const shown = (list) => Array.from(list.slice(0, samples), (value) => (Math.abs(value) < kBound ? 1000 * value : null));
+    const shown = (list) => Array.from(list.subarray(0, samples), (value) => (Math.abs(value) < kBound ? 1000 * value : null));
     this.plot.set([Array.from({ length: samples }, (_, i) => (1000 * i) / this.sampleRate), shown(ours), shown(theirs)]);
     const us = verdict(ours, kBound);
     const them = verdict(theirs, kBound);

@@ -22,10 +22,9 @@ const kMinimise = { contact_duration: "contact duration", force: "force", spectr
 const byId = (id) => document.getElementById(id);
 
 export class Editor {
-  /** change(design) is called with every new design. */
-  constructor(generator, change) {
-    this.generator = generator;
-    this.change = change;
+  /** background: designs what a field moves to (worker.js). change(design) is called with every new design. */
+  constructor(generator, background, change) {
+    Object.assign(this, { generator, background, change, loads: 0 });
     this.shipped = generator.materials();
     fillSelect(byId("material"), { ...Object.fromEntries(Object.keys(this.shipped).map((name) => [name, name])), "": "my own" });
     byId("material").addEventListener("change", ({ target }) => target.value && this.load({ name: target.value }));
@@ -87,8 +86,16 @@ export class Editor {
     if (this.source.name) this.fields.name = `my_${this.source.name}`.replace(/^my_my_/, "my_");
     byId("material").value = "";
     byId("text").value = materialText(this.fields);
-    cancelAnimationFrame(this.pending);
-    this.pending = requestAnimationFrame(() => this.design(null));
+    this.designSoon(byId("text").value);
+  }
+
+  // By another thread, while the page goes on. What was loaded meanwhile stays.
+  async designSoon(text) {
+    const [began, { loads }] = [performance.now(), this];
+    const design = await this.background.latest("design", "design", { text, name: "material.json" }).catch((error) => error);
+    if (design === undefined || loads !== this.loads) return;
+    if (design instanceof Error) this.refuse(design.message);
+    else this.take(design, text, { text }, performance.now() - began);
   }
 
   /** What a link says of the material that plays. */
@@ -98,22 +105,27 @@ export class Editor {
 
   // Designs the text; name: of a material that ships. Returns what is wrong with it, or null.
   design(name) {
-    const note = byId("design-note");
     const text = byId("text").value;
+    ++this.loads;
     try {
       const began = performance.now();
       const design = this.generator.design(text, `${name ?? "material"}.json`);
-      this.showDesign(design, performance.now() - began);
-      this.offer(design, text);
-      note.className = "";
-      this.source = name === null ? { text } : { name };
-      this.current = design;
-      this.change(design);
+      this.take(design, text, name === null ? { text } : { name }, performance.now() - began);
       return null;
     } catch (error) {
       this.refuse(error.message);
       return error.message;
     }
+  }
+
+  // text: of its file; source: what a link says of it.
+  take(design, text, source, milliseconds) {
+    this.showDesign(design, milliseconds);
+    this.offer(design, text);
+    byId("design-note").className = "";
+    this.source = source;
+    this.current = design;
+    this.change(design);
   }
 
   // What is wrong, in one line.

@@ -8,12 +8,19 @@ import { Spectrogram } from "./spectrogram.js";
 
 const kShown = 529; // samples of force in view: 12 ms
 const kSpan = 6; // seconds of energy in view
+const kSilent = 1e-5; // of full scale
 const kTold = 2000; // milliseconds that a line stays
 
 const byId = (id) => document.getElementById(id);
 
 export class Figures {
-  constructor() {
+  /** moves(): there is something new, draw() is to be called. */
+  constructor(moves) {
+    Object.assign(this, { moves, isSeen: false, soundsUntil: -Infinity });
+    new IntersectionObserver((list) => {
+      this.isSeen = list.at(-1).isIntersecting;
+      if (this.isSeen) moves();
+    }).observe(byId("figures"));
     this.force = linePlot(byId("force"), { x: "time [ms]", y: "force [N]", lines: [{ label: "contact force", colour: "orange", isFilled: true }] });
     this.energy = linePlot(byId("energy"), {
       x: "time since the strike [s]",
@@ -37,7 +44,12 @@ export class Figures {
     this.isArmed = false;
     this.strikes ??= 0;
     this.books = [[], [], [], [], []];
+    this.changed();
+  }
+
+  changed() {
     this.isDirty = true;
+    if (this.isSeen) this.moves();
   }
 
   /** A strike has been sent: reports of earlier ones are not drawn any more. */
@@ -51,6 +63,8 @@ export class Figures {
 
   report({ time, strikes, peak, force, books }) {
     this.tellLimit(peak);
+    if (peak > kSilent) this.soundsUntil = performance.now() + 1000 * kSpan;
+    if (peak > kSilent && this.isSeen) this.moves();
     if (strikes !== this.strikes) return;
     this.capture(force);
     if (!books) return;
@@ -64,13 +78,14 @@ export class Figures {
     [total, hammer, books.string, books.dissipated].forEach((energy, k) => this.books[k + 1].push(1000 * energy));
     this.books[0].push(seconds);
     this.imbalance = Math.max(seconds === 0 ? 0 : this.imbalance, Math.abs(total - books.work) / books.work);
-    this.isDirty = true;
+    this.changed();
   }
 
   // Says so while the limiter of the audio thread bends the sound.
   tellLimit(peak) {
     if (peak > kLinear) this.limitedUntil = performance.now() + kTold;
-    byId("limit").hidden = !(performance.now() < this.limitedUntil);
+    const isLimited = performance.now() < this.limitedUntil;
+    if (byId("limit").hidden === isLimited) byId("limit").hidden = !isLimited;
   }
 
   // Takes the force from where it first acts.
@@ -82,14 +97,19 @@ export class Figures {
       if (from < 0) return;
     }
     this.captured.push(...force.subarray(from, from + kShown - this.captured.length));
-    this.isDirty = true;
+    this.changed();
     if (this.captured.length >= kShown) this.isArmed = false;
   }
 
-  /** Draws what is new. */
+  /** Draws what is new, where it is in view. Returns whether it goes on. */
   draw(analyser, now) {
-    if (analyser) this.spectrogram.draw(analyser, now);
-    if (!this.isDirty) return;
+    const moves = this.isSeen && Boolean(analyser) && performance.now() < this.soundsUntil;
+    if (moves) this.spectrogram.draw(analyser, now);
+    if (this.isDirty && this.isSeen) this.drawPlots();
+    return moves;
+  }
+
+  drawPlots() {
     this.isDirty = false;
     this.force.set([Array.from(this.captured, (_, i) => (1000 * i) / kSampleRate), this.captured]);
     this.energy.set(this.books);

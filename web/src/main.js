@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The page: puts instrument, figures, editor, comparison and story together.
-import { jsonAsset, moduleAsset, scriptUrl } from "./assets.js";
+import { blobUrl, jsonAsset, moduleAsset, scriptUrl } from "./assets.js";
 import { Audio, kSampleRate, renderOffline } from "./audio.js";
+import { Background } from "./background.js";
 import { Clip } from "./clip.js";
 import { Comparison } from "./compare.js";
 import { fillSelect, readable, slider, whenChosen } from "./controls.js";
@@ -13,19 +14,18 @@ import { Figures } from "./figures.js";
 import { Fitting } from "./fitting.js";
 import { InstrumentEditor } from "./instrument_editor.js";
 import { redrawPlots } from "./plots.js";
+import { noteGain } from "./note_gain.js";
 import { kPresets } from "./presets.js";
 import { download, wavOf } from "./save.js";
 import { Stage, strongest, toldOf } from "./stage.js";
 import { Story } from "./story.js";
 import { addressOf, embeddedOf, kOwn, stateOf } from "./state.js";
 import { instrumentOf, performance as performanceOf, readScore, scoreOfMidi } from "./scores.js";
-import { startStudies } from "./studies.js";
+import { startStudies, studyOf } from "./studies.js";
 
 const kFirst = "hammer_on_string";
 const kMiddleC = 60; // the key of the first event, too
 const kSustain = 64; // controller of MIDI
-const kPeak = 0.18; // of full scale: one note of every instrument, so that a chord has room
-const kPeakSeconds = 0.3;
 const kStrikeHold = 1500; // milliseconds that the button holds a key
 const kShortest = 60; // milliseconds from a strike on that its key is held at least
 const kSettled = 250; // milliseconds after the last change
@@ -35,7 +35,28 @@ const kMaxPast = 100;
 const kFirstFrames = 50; // milliseconds in which the stage begins to move
 
 const byId = (id) => document.getElementById(id);
+
+// What a browser keeps for its user, where it keeps something at all.
+const kStore = "contactspline.";
+function kept(name) {
+  try {
+    return localStorage.getItem(kStore + name);
+  } catch {
+    return null;
+  }
+}
+function keep(name, value) {
+  try {
+    localStorage.setItem(kStore + name, value);
+  } catch {
+    // then only until the page is closed
+  }
+}
+
 const capital = (text) => text[0].toUpperCase() + text.slice(1);
+
+// When a key that is being struck may be let go.
+const heldFor = (struck) => struck.then(() => new Promise((done) => setTimeout(done, kShortest)));
 
 class Page {
   constructor() {
@@ -45,9 +66,14 @@ class Page {
     this.gains = new Map();
     this.past = [];
     this.begun = new Map(); // of each key: when its last strike has begun
-    this.figures = new Figures();
+    this.studied = Promise.resolve(); // when the last slow motion that was asked for is shown
+    this.run = this.run.bind(this);
+    this.figures = new Figures(this.run);
     this.audio = new Audio({
-      report: (report) => this.figures.report(report),
+      report: (report) => {
+        this.figures.report(report);
+        this.audio.restIfHidden(report.peak, Boolean(this.score));
+      },
       played: (key) => this.heard(key),
       moved: ({ parameter, value }) => this.parameterMoved(parameter, value),
       ended: () => this.stopScore(),
@@ -55,7 +81,12 @@ class Page {
     this.stage = new Stage(
       byId("stage"),
       { play: byId("stage-play"), time: byId("stage-time"), speed: byId("stage-speed") },
-      { thrown: (thrown) => this.throwHammer(thrown), tell: (power, place) => toldOf(this.stage.study.scene, this.played().parameters, power, place) },
+      {
+        thrown: (thrown) => this.throwHammer(thrown),
+        tell: (power, place) => toldOf(this.stage.study.scene, this.played().parameters, power, place),
+        energyOf: (power) => this.energyOf(power),
+        moves: this.run,
+      },
     );
     this.keys = new Keys(byId("keys"), {
       strike: (key, velocity) => this.strike(key, velocity),
@@ -64,7 +95,7 @@ class Page {
       moved: () => this.changed(),
     });
     this.connectButtons();
-    this.clip = new Clip(byId("record-clip"), byId("stage"), this.audio);
+    this.clip = new Clip(byId("record-clip"), this.stage, this.audio);
     this.embed(embeddedOf(location.search));
   }
 
@@ -83,7 +114,8 @@ class Page {
     byId("preset").addEventListener("change", ({ target }) => target.value && this.show(kPresets[target.value]));
     byId("piece").addEventListener("click", () => this.playOrStop(kFirstScore));
     byId("scores").addEventListener("change", ({ target }) => (target.value ? this.playScore(target.value) : this.stopScore()));
-    byId("letters").addEventListener("change", ({ target }) => (this.keys.hasLetters = target.checked));
+    byId("letters").checked = this.keys.hasLetters = kept("letters") !== "off";
+    byId("letters").addEventListener("change", ({ target }) => keep("letters", (this.keys.hasLetters = target.checked) ? "on" : "off"));
     byId("undo").addEventListener("click", () => this.undo());
     byId("midi-connect").addEventListener("click", async () => (byId("midi").textContent = await this.keys.listenToMidi()));
     byId("midi-file").addEventListener("click", () => (this.score ? this.stopScore() : byId("midi-input").click()));
@@ -134,31 +166,39 @@ class Page {
     this.offerInstruments();
     const first = stateOf(location.hash);
     this.play(this.instruments.has(first.instrument) ? first.instrument : kFirst, first.controls); // on the felt of C4
-    this.run();
     await new Promise((seen) => setTimeout(seen, kFirstFrames));
-    this.reference = startStudies(await studies, kSampleRate);
-    this.editor = new Editor(startGenerator(await generator), (design) => this.useDesign(design));
+    this.background = await this.startBackground({ studies: await studies, generator: await generator });
+    this.editor = new Editor(startGenerator(await generator), this.background, (design) => this.useDesign(design));
     this.editor.load({ name: "felt_c4" });
     this.fitting = new Fitting(this.editor.generator, (text) => this.editor.load({ text }));
-    this.reference.useMaterial(this.editor.current);
     this.instrumentEditor = new InstrumentEditor(this.editor.generator, (instrument) => this.playOwn(instrument));
-    this.comparison = new Comparison(this.reference, kSampleRate, (samples) => this.audio.play(samples), () => this.changed());
+    this.comparison = new Comparison(this.background, kSampleRate, (samples) => this.audio.play(samples), () => this.changed());
     this.story = new Story({
-      studies: startStudies(await studies, kSampleRate),
-      generator: this.editor.generator,
+      background: this.background,
       instruments: this.instruments,
       stiffness: this.comparison.stiffness,
       hear: (state, velocity) => this.show(state).then(() => this.strikeOnce(kMiddleC, velocity)),
       piece: () => this.playOrStop(kFirstScore),
       at: () => this.changed(),
+      moves: this.run,
     });
+    this.comparison.draw();
     await this.show(first);
-    await Promise.all([this.comparison.load(), this.offerScores(), scriptUrl("processor")]); // the last for the first strike
+    await Promise.all([this.comparison.drawn, this.offerScores(), scriptUrl("processor")]); // the last for the first strike
     this.gainOf(this.instrument); // which the first strike need not measure
     this.address = addressOf(this.state());
     this.settle();
     // The link to the instrument, for who reads by ear, is no state.
     addEventListener("hashchange", () => location.hash !== "#play" && this.show(stateOf(location.hash)));
+  }
+
+  /** The thread of worker.js. */
+  async startBackground(modules) {
+    const [url, fd, description] = await Promise.all([blobUrl("worker"), moduleAsset("fd_hammer_c4-wasm"), jsonAsset("fd_hammer_c4-json")]);
+    const background = new Background(url);
+    const [mass, hammer] = ["mass_barrier", kFirst].map((name) => this.instruments.get(name).parameters);
+    background.ask("start", { modules: { ...modules, fd }, description, parameters: { mass, hammer }, sampleRate: kSampleRate });
+    return background;
   }
 
   /** Sets the page to a state (state.js). What is no state is left out, and one line says so. */
@@ -204,6 +244,7 @@ class Page {
   playOwn({ bytes, text }) {
     const values = this.instrument === kOwn ? this.sound().controls : {};
     for (const player of [this.engine, this.studies]) player.takeInstrument(bytes);
+    this.background.ask("own", bytes);
     this.audio.send({ do: kOwn, bytes });
     const all = this.engine.instruments();
     const { title, ...described } = all.at(-1);
@@ -234,9 +275,17 @@ class Page {
       ? "The middle row of them is the white keys, the row above it the black ones; the first two of the lowest row change the octave."
       : events.length > 1 ? "Those of the two upper rows strike, each its own." : "Any of the two upper rows strikes.";
     this.figures.reset();
+    this.showTitle();
     this.study();
     this.changed();
     return Object.keys(values).filter((parameter) => !this.controls.has(parameter));
+  }
+
+  // The sentence at the top fits what is played.
+  showTitle() {
+    const isHammer = [kFirst, "piano"].includes(this.instrument);
+    const words = isHammer ? "A piano hammer touches its string for two thousandths of a second." : `${capital(this.played().title)}: one note, a thousand times slower.`;
+    byId("play-title").replaceChildren(`${words} `, Object.assign(document.createElement("em"), { textContent: "Watch." }));
   }
 
   // One button for each event, or one for the key that was struck last.
@@ -257,6 +306,7 @@ class Page {
   /** A line of the menu for each score that ships and that the page has the instrument for. */
   async offerScores() {
     const packed = Object.entries(await jsonAsset("scores"));
+    this.levels = await jsonAsset("levels"); // dB
     const scores = packed.map(([name, score]) => [name, readScore(score, name, this.editor.generator)]).filter(([, score]) => instrumentOf(score, this.instruments));
     this.scores = new Map(scores);
     byId("piece").disabled = false;
@@ -268,11 +318,16 @@ class Page {
     return this.score ? this.stopScore() : this.playScore(score);
   }
 
+  /** By how much a score is turned up or down, so that all are equally loud (web/levels.mjs). */
+  gainOfScore(name) {
+    return 10 ** (this.levels[name] / 20);
+  }
+
   /** Plays a score that ships on its instrument, with the first values of all controls. */
   async playScore(name) {
     const score = this.scores.get(name);
     const instrument = instrumentOf(score, this.instruments);
-    await this.perform(name, instrument, performanceOf(score, this.instruments.get(instrument)));
+    await this.perform(name, instrument, { ...performanceOf(score, this.instruments.get(instrument)), gain: this.gainOfScore(name) });
   }
 
   /** Plays a standard MIDI file on the piano. One line says what is wrong with it. */
@@ -314,10 +369,20 @@ class Page {
     this.changed();
   }
 
-  /** A message of MIDI, for the audio thread, which says what it has played and moved. */
+  /** A message of MIDI, for the audio thread, which says what it has played and moved. A note is not let go before it has
+   * begun; one that is struck again meanwhile stays down. */
   async takeMidi(bytes) {
-    await this.audio.start();
-    this.audio.send({ do: "midi", bytes });
+    const [status, key, velocity] = bytes;
+    const note = `MIDI ${status & 15}, ${key}`;
+    const isOn = (status & 0xf0) === 0x90 && velocity > 0;
+    if (!isOn && [0x80, 0x90].includes(status & 0xf0)) {
+      const begun = this.begun.get(note);
+      await begun;
+      if (this.begun.get(note) !== begun) return;
+    }
+    const sent = this.audio.start().then(() => this.audio.send({ do: "midi", bytes }));
+    if (isOn) this.begun.set(note, heldFor(sent));
+    await sent;
   }
 
   // A key of a score or of MIDI lights up until it is let go (velocity 0). Of a score now and then one is shown in slow motion.
@@ -338,7 +403,7 @@ class Page {
     this.changed();
     this.figures.struck();
     this.stage.wake();
-    setTimeout(() => this.study(), 0);
+    this.studySoon();
   }
 
   hasKey(key) {
@@ -364,8 +429,8 @@ class Page {
 
   gainOf(name) {
     if (this.gains.has(name)) return this.gains.get(name);
-    const peak = this.engine.peak(this.instruments.get(name).number, kPeakSeconds);
-    this.gains.set(name, peak > 0 ? kPeak / peak : 1); // without a note: as loud as its file says
+    const { number, velocity } = this.instruments.get(name);
+    this.gains.set(name, noteGain(this.engine, number, velocity, kSampleRate));
     return this.gains.get(name);
   }
 
@@ -375,9 +440,15 @@ class Page {
     this.studySoon();
   }
 
-  studySoon() {
-    clearTimeout(this.studying);
-    this.studying = setTimeout(() => this.study(), 60);
+  // What another thread computes while the page goes on; nothing when it is of an instrument that was left.
+  async studySoon() {
+    const asked = this.note();
+    if (!this.background) return this.study();
+    const answer = this.background.latest("study", "play", asked);
+    this.studied = answer.then((played) => {
+      if (played !== undefined && asked.instrument === this.instrument) this.showStudy(played, asked);
+    });
+    await this.studied;
   }
 
   value(name) {
@@ -400,20 +471,43 @@ class Page {
     }
     this.engine.useMaterial(design);
     this.audio.send({ do: "material", design: { table, memory, mass_kg, loss_s_per_m } });
+    this.background.ask("material", { table, memory, mass_kg, loss_s_per_m });
     this.changed();
-    if (this.instrument === kFirst && this.controls.size > 0) this.study();
+    if (this.instrument === kFirst && this.controls.size > 0) this.studySoon();
   }
 
   // The slow motion of the note that was played last, with the controls of now.
   study() {
-    const { keys, velocity, description } = this.played();
+    const asked = this.note();
+    this.showStudy(this.studies.play(asked.instrument, asked.values, asked.note), asked);
+  }
+
+  /** The note that was played last, or the first one. */
+  note() {
+    const { keys, velocity, events } = this.played();
     const key = this.lastKey ?? kMiddleC;
-    const event = keys ? 0 : Math.max(0, key - kMiddleC) % Math.max(1, this.played().events.length);
-    const study = this.studies.play(this.instrument, this.values(), { key, velocity: this.lastVelocity ?? velocity, event });
-    if (!study) byId("stage-caption").textContent = `${capital(description)}: it has no note to show.`;
-    if (!study) return;
+    const event = keys ? 0 : Math.max(0, key - kMiddleC) % Math.max(1, events.length);
+    return { instrument: this.instrument, values: this.values(), note: { key, velocity: this.lastVelocity ?? velocity, event } };
+  }
+
+  showStudy(played, asked) {
+    const { keys, description } = this.played();
+    const { key } = asked.note;
+    if (!played) byId("stage-caption").textContent = `${capital(description)}: it has no note to show.`;
+    if (!played) return;
+    const study = studyOf(played);
     byId("stage-caption").textContent = `${capital(description)}${keys ? `, ${keyName(key)}` : ""}; one note from rest. ${this.balance(study)}`;
+    this.shown = asked;
     this.stage.show(study, keys ? key : null);
+  }
+
+  // How many times the energy that is shown a throw has of this part of the highest speed.
+  energyOf(power) {
+    const { throws } = this.stage.study.scene;
+    if (throws === null) return null;
+    const { values, note } = this.shown;
+    const speed = power * strongest(this.played().parameters[throws]) * this.played().velocity;
+    return values[throws] * note.velocity === 0 ? null : (speed / (values[throws] * note.velocity)) ** 2;
   }
 
   balance({ scene, column }) {
@@ -443,7 +537,7 @@ class Page {
       this.audio.send({ do: "noteOn", key, velocity: velocity ?? this.played().velocity });
       this.struck(key, velocity ?? undefined);
     });
-    this.begun.set(key, struck.then(() => new Promise((done) => setTimeout(done, kShortest))));
+    this.begun.set(key, heldFor(struck));
     await struck;
   }
 
@@ -540,14 +634,14 @@ class Page {
     setTimeout(() => (byId("told").textContent = ""), 2500);
   }
 
+  /** Draws frames of the screen as long as something moves; call when it may begin to. */
   run() {
-    const frame = (now) => {
-      this.stage.frame(now / 1000);
-      this.story?.frame(now / 1000);
-      this.figures.draw(this.audio.analyser, now / 1000);
-      requestAnimationFrame(frame);
-    };
-    requestAnimationFrame(frame);
+    this.frame ??= requestAnimationFrame((now) => {
+      this.frame = undefined;
+      const { stage, story, figures, audio } = this;
+      const moves = [stage.frame(now / 1000), story?.frame(now / 1000), figures.draw(audio.analyser, now / 1000)];
+      if (moves.some(Boolean)) this.run();
+    });
   }
 }
 

@@ -5,6 +5,7 @@
 const kMaxFrequency = 10000;
 const kSpan = 6;
 const kFloor = -100; // dB
+const kGap = 0.5; // seconds after which it goes on where it was
 
 /** From black over blue and orange to pale yellow: lightness rises throughout. */
 const kColours = Array.from({ length: 256 }, (_, i) => {
@@ -29,6 +30,7 @@ export class Spectrogram {
   /** Draws what the analyser hears now. Call on every frame of the screen. */
   draw(analyser, seconds) {
     const { width, height } = this.canvas;
+    if (seconds - this.last > kGap) this.last = seconds - kSpan / width;
     const columns = Math.min(width, Math.floor(((seconds - this.last) / kSpan) * width));
     if (columns < 1) return;
     this.last = seconds;

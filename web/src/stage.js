@@ -9,11 +9,12 @@ const kBridge = 0.05; // part of a string in which many stops are one bridge, wh
 const kReach = 130; // pixels by which a hammer is pulled back for its highest speed, where there is room
 const kLeastReach = 80;
 const kNear = 60; // pixels around a hammer or a finger that take hold of it
-const kTraces = 4; // earlier shapes of a string that stay in view
+const kTraces = 3; // earlier shapes of a string that stay in view
 const kTrace = 1.5e-4; // seconds between two of them
+const kTraced = 4; // points of the string between two of theirs
+const kShades = 10; // of each colour of a membrane
 const kSectors = 24; // of a membrane's circle
 const kTilt = 0.3; // height of a membrane's circle over its width
-const kLoop = 3e-3; // seconds that are shown at least, again and again
 const kFelt = 50, kHead = 88; // lengths of a hammer's felt, and of the whole head, which is drawn larger or smaller
 const kShank = 170;
 const kFarthest = 0.6; // how far a hammer is followed, over the largest displacement
@@ -52,8 +53,11 @@ export function toldOf({ throws }, parameters, power, place) {
   return told.join(", ");
 }
 
+const surfaces = new Map();
+
 // The quadrilaterals of a membrane from back to front, each with its corners { at: number of the point, or null at the rim; x, y }.
 function surfaceOf(rings) {
+  if (surfaces.has(rings)) return surfaces.get(rings);
   const corner = (ring, sector) => {
     const angle = (2 * Math.PI * sector) / kSectors;
     const half = Math.min(sector % kSectors, kSectors - (sector % kSectors));
@@ -64,15 +68,21 @@ function surfaceOf(rings) {
   for (let ring = 0; ring <= rings; ++ring)
     for (let s = 0; s < kSectors; ++s) all.push([corner(ring, s), corner(ring + 1, s), corner(ring + 1, s + 1), corner(ring, s + 1)]);
   const depth = (corners) => corners.reduce((sum, { y }) => sum + y, 0);
-  return all.sort((a, b) => depth(a) - depth(b));
+  surfaces.set(rings, all.sort((a, b) => depth(a) - depth(b)));
+  return surfaces.get(rings);
 }
 
 export class Stage {
   /** thrown({ power, place }): a hammer was pulled back and let go, or a string, power 0 to 1, and put at a part of the
-   * string's length; null for what did not change. tell(power, place) says so in words while it moves. */
-  constructor(canvas, { play, time, speed }, { thrown, tell }) {
-    Object.assign(this, { canvas, play, time, speed, thrown, tell, study: null, at: 0, isPlaying: false, last: null, pulled: null });
-    Object.assign(this, { isAwake: false, isInviting: true });
+   * string's length; null for what did not change. tell(power, place) says so in words while it moves, energyOf(power) how many
+   * times the energy is that of what is shown. moves(): something begins to move, frame() is to be called. */
+  constructor(canvas, { play, time, speed }, { thrown, tell, energyOf, moves }) {
+    Object.assign(this, { canvas, play, time, speed, thrown, tell, energyOf, moves, study: null, at: 0, isPlaying: false, last: null, pulled: null });
+    Object.assign(this, { isAwake: false, isInviting: true, isSeen: true, isKept: false, isDirty: false });
+    new IntersectionObserver((list) => {
+      this.isSeen = list.at(-1).isIntersecting;
+      if (this.isSeen) this.comeBack();
+    }).observe(canvas);
     play.addEventListener("click", () => this.setPlaying(!this.isPlaying));
     time.addEventListener("input", () => {
       this.setPlaying(false);
@@ -113,9 +123,9 @@ export class Stage {
     const isBelow = ({ kind }) => kind === "hammer" && this.items.some((other) => other.kind === "string") && !scene.isFlipped;
     this.items.sort((a, b) => isBelow(b) - isBelow(a));
     // Membranes stand above each other and above all strings.
-    const surfaces = this.items.filter(({ kind }) => kind === "surface");
-    surfaces.forEach((item, k) => (item.slot = k));
-    this.slots = surfaces.length === 0 ? 1 : surfaces.length + (this.items.some(({ kind }) => kind === "string") ? 1 : 0);
+    const membranes = this.items.filter(({ kind }) => kind === "surface");
+    membranes.forEach((item, k) => (item.slot = k));
+    this.slots = membranes.length === 0 ? 1 : membranes.length + (this.items.some(({ kind }) => kind === "string") ? 1 : 0);
     this.forces = study.column(scene.force);
     this.energies = scene.energies.map(([name, column]) => [name, study.column(column)]);
     Object.assign(this, { study, key, at: 0, pulled: null });
@@ -124,17 +134,12 @@ export class Stage {
     else this.setPlaying(true);
   }
 
-  // How long the note is shown: its blow and a quarter more. And what is in view [m]: the largest displacement of strings and
-  // bodies, or else of what is thrown, and how far that goes back.
+  // What is in view [m]: the largest displacement of strings and bodies, or else of what is thrown, and how far that goes back.
   measure() {
-    const { frames, sampleRate } = this.study;
-    const last = this.forces.findLastIndex((force) => force > 0);
-    this.frames = last < 0 ? frames : Math.min(frames, Math.round(Math.max(kLoop * sampleRate, 1.25 * last)) + 1);
-    let reach = 0;
-    for (const item of this.items.filter(({ points }) => points))
-      for (let i = 0; i < this.frames; ++i) reach = Math.max(reach, largest(this.study.points(i, item.column, item.points)));
+    const { view } = this.study;
+    this.frames = view.frames;
     const hammers = this.items.filter(({ kind }) => kind === "hammer").map(({ values }) => values.slice(0, this.frames));
-    this.reach = Math.max(reach, Math.min(2e-3, ...hammers.map((values) => largest(values.filter((place) => place > -2e-3)))), 1e-9);
+    this.reach = Math.max(view.reach, Math.min(2e-3, ...hammers.map((values) => largest(values.filter((place) => place > -2e-3)))), 1e-9);
     this.depth = hammers.length === 0 ? null : Math.min(kFarthest * this.reach, -Math.min(0, ...hammers.map((values) => Math.min(...values))));
     const stops = this.items.filter(({ kind, at }) => kind === "stop" && at < kBridge);
     this.bridge = stops.length >= 8 ? stops : null;
@@ -144,7 +149,6 @@ export class Stage {
   rest() {
     const peak = Math.max(...this.forces);
     this.at = peak > 0 ? Math.min(this.length(), this.forces.indexOf(peak) / this.study.sampleRate) : 0.3 * this.length();
-    this.time.value = this.at / this.length();
     this.setPlaying(false);
     this.draw();
   }
@@ -154,29 +158,46 @@ export class Stage {
     this.play.textContent = isPlaying ? "Pause" : "Play";
     this.play.classList.toggle("plays", isPlaying);
     this.last = null;
+    if (isPlaying) this.moves();
+    else this.time.value = this.at / (this.length() || 1); // which is not seen: that it follows costs as much as all else
   }
 
   length() {
     return this.study ? (this.frames - 1) / this.study.sampleRate : 0;
   }
 
-  /** Moves on to the time of the screen [s] and draws. */
+  /** Moves on to the time of the screen [s] and draws, where it is in view. Returns whether it goes on. */
   frame(now) {
-    if (!this.study || !this.isPlaying) return;
-    if (this.last !== null) this.at += Math.min(0.1, now - this.last) / Number(this.speed.value);
-    this.last = now;
-    if (this.at > this.length()) this.at = 0;
-    this.time.value = this.at / this.length();
-    this.draw();
+    const moves = this.study !== null && this.isPlaying && (this.isSeen || this.isKept);
+    if (moves) {
+      if (this.last !== null) this.at += Math.min(0.1, now - this.last) / Number(this.speed.value);
+      this.last = now;
+      if (this.at > this.length()) this.at = 0;
+    }
+    if (moves || this.isDirty) this.draw();
+    return moves;
+  }
+
+  // In view again.
+  comeBack() {
+    this.last = null;
+    this.drawSoon();
+  }
+
+  // With the next frame of the screen.
+  drawSoon() {
+    this.isDirty = true;
+    this.moves();
   }
 
   draw() {
+    this.isDirty = false;
     const { canvas, study } = this;
     const ratio = window.devicePixelRatio || 1;
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
     if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio))
       Object.assign(canvas, { width: Math.round(width * ratio), height: Math.round(height * ratio) });
-    const context = canvas.getContext("2d");
+    const context = canvas.getContext("2d", { alpha: false });
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.fillStyle = colour("paper");
     context.fillRect(0, 0, width, height);
@@ -217,7 +238,9 @@ export class Stage {
     this.write(context, `${(this.at * 1000).toFixed(2)} ms`, 16, wide ? 30 : 26, "ink", `${wide ? 26 : 20}px ${kTitles}`);
     this.write(context, `${value(this.forces).toFixed(2)} N`, 16, wide ? 52 : 46, "accent", `${wide ? 18 : 16}px ${kTitles}`);
     if (this.energies.length === 0) return 60;
-    const parts = this.energies.map(([name, list]) => [Math.max(0, value(list)), name, kPaints[name] ?? "soft"]);
+    const thrown = this.pulled && this.pulled.power > 0 ? this.energyOf(this.pulled.power) : null; // all of it is in what is pulled
+    const part = (list, k) => (thrown === null ? Math.max(0, value(list)) : k === 0 ? thrown * this.study.scene.work : 0);
+    const parts = this.energies.map(([name, list], k) => [part(list, k), name, kPaints[name] ?? "soft"]);
     const total = parts.reduce((sum, [energy]) => sum + energy, 0) || 1;
     const percents = wholePercents(parts.map(([energy]) => energy / total));
     const full = width - 16 - left;
@@ -378,7 +401,8 @@ export class Stage {
       if (i < 0) continue;
       context.globalAlpha = 0.45 / k;
       context.beginPath();
-      this.study.points(i, column, points).forEach((y, p) => context.lineTo(across(p), this.height(box, y)));
+      const shape = this.study.points(i, column, points);
+      for (let p = 0; p < points; p += kTraced) context.lineTo(across(p), this.height(box, shape[p]));
       context.stroke();
     }
     context.globalAlpha = 1;
@@ -401,27 +425,47 @@ export class Stage {
     const [rx, cx] = [(box.right - box.left) / 2, (box.left + box.right) / 2];
     const ry = Math.min(kTilt * rx, 0.36 * (box.bottom - box.top));
     const height = ({ at }) => (at === null ? 0 : curve[at]);
-    const [up, down, mesh] = [colour("blue"), colour("accent"), colour("soft")];
-    context.lineWidth = 0.5;
-    context.strokeStyle = mesh;
+    const shades = this.shades();
+    const shadeOf = ([a, b, c, d]) => Math.round(kShades + kShades * Math.max(-1, Math.min(1, (0.4 * (height(a) + height(b) + height(c) + height(d))) / this.reach)));
+    const x = (corner) => cx + corner.x * rx, y = (corner) => box.middle + corner.y * ry - height(corner) * box.unit;
+    let last = null; // shade of the path: neighbours of one shade are filled at once
     for (const corners of quads) {
-      context.beginPath();
-      for (const corner of corners) context.lineTo(cx + corner.x * rx, box.middle + corner.y * ry - height(corner) * box.unit);
-      context.closePath();
-      const mean = corners.reduce((sum, corner) => sum + height(corner), 0) / corners.length;
-      context.fillStyle = colour("panel");
-      context.fill();
-      context.globalAlpha = Math.min(0.9, 0.06 + 1.6 * Math.abs(mean) / this.reach);
-      context.fillStyle = mean >= 0 ? up : down;
-      context.fill();
-      context.globalAlpha = 1;
-      context.stroke();
+      const shade = shadeOf(corners);
+      if (shade !== last) {
+        if (last !== null) context.fill();
+        context.fillStyle = shades[(last = shade)];
+        context.beginPath();
+      }
+      context.moveTo(x(corners[0]), y(corners[0]));
+      for (const k of [1, 2, 3]) context.lineTo(x(corners[k]), y(corners[k]));
     }
+    context.fill();
+    context.strokeStyle = colour("soft");
+    Object.assign(context, { lineWidth: 0.5, globalAlpha: 0.7 });
+    context.beginPath();
+    for (const [, b, c] of quads) {
+      if (b.at === null) continue; // the rim
+      context.moveTo(x(b), y(b));
+      context.lineTo(x(c), y(c));
+    }
+    context.stroke();
+    context.globalAlpha = 1;
     context.strokeStyle = colour("ink");
     context.lineWidth = 2;
     context.beginPath();
     context.ellipse(cx, box.middle, rx, ry, 0, 0, 2 * Math.PI);
     context.stroke();
+  }
+
+  // Colours of a membrane from its lowest to its highest place.
+  shades() {
+    const paints = ["accent", "panel", "blue"].map((name) => colour(name));
+    if (this.painted?.paints.every((paint, k) => paint === paints[k])) return this.painted.shades;
+    const parts = paints.map((paint) => [1, 3, 5].map((at) => parseInt(paint.slice(at, at + 2), 16)));
+    const mixed = (k) => parts[k < 0 ? 0 : 2].map((to, c) => Math.round(parts[1][c] + (to - parts[1][c]) * Math.min(0.9, 0.06 + Math.abs(k) / kShades)));
+    const shades = Array.from({ length: 2 * kShades + 1 }, (_, i) => `rgb(${mixed(i - kShades).join(" ")})`);
+    this.painted = { paints, shades };
+    return shades;
   }
 
   // The board moves too little to be seen: it is drawn larger, up to a fifth of the height.
@@ -642,30 +686,39 @@ export class Stage {
 
   // The force of the note, filled up to the time that is shown.
   drawForce(context, { left, right, top, bottom }, frame) {
-    const forces = this.forces.subarray(0, this.frames);
-    const peak = largest(forces) || 1;
-    const across = (i) => left + ((right - left) * i) / (forces.length - 1);
-    const area = (end) => {
-      context.beginPath();
-      context.moveTo(left, bottom);
-      for (let i = 0; i <= end; ++i) context.lineTo(across(i), bottom - ((bottom - top) * forces[i]) / peak);
-      context.lineTo(across(end), bottom);
-      context.fill();
-    };
+    const { picture, peak } = this.pictureOf(right - left, bottom - top);
+    const x = left + ((right - left) * frame) / (this.frames - 1);
+    const part = Math.round(Math.max(0, Math.min(1, (x - left) / (right - left))) * picture.width);
     context.globalAlpha = 0.3;
-    context.fillStyle = colour("accent");
-    area(forces.length - 1);
+    context.drawImage(picture, left, top, right - left, bottom - top);
     context.globalAlpha = 1;
-    area(Math.min(forces.length - 1, Math.floor(frame)));
+    if (part > 0) context.drawImage(picture, 0, 0, part, picture.height, left, top, (part / picture.width) * (right - left), bottom - top);
     context.fillStyle = colour("ink");
     context.fillRect(left, bottom, right - left, 1);
-    context.fillRect(across(frame) - 1, top - 4, 2, bottom - top + 8);
+    context.fillRect(x - 1, top - 4, 2, bottom - top + 8);
     const told = `force, up to ${readable(Number(peak.toPrecision(3)))} N`;
     context.font = "12px system-ui";
     this.write(context, told, right - context.measureText(told).width, top + 10, "soft");
     const text = `${readable(Number((1000 * this.length()).toPrecision(2)))} ms`;
     this.write(context, "0 ms", left, bottom + 15, "soft");
     this.write(context, text, right - context.measureText(text).width, bottom + 15, "soft");
+  }
+
+  // All of the force as a picture of this size, which is drawn once, and the largest force.
+  pictureOf(width, height) {
+    const [ratio, paint] = [window.devicePixelRatio || 1, colour("accent")];
+    const of = [this.study, width, height, ratio, paint];
+    if (this.picture?.of.every((part, k) => part === of[k])) return this.picture;
+    const forces = this.forces.subarray(0, this.frames);
+    const peak = largest(forces) || 1;
+    const picture = Object.assign(document.createElement("canvas"), { width: Math.ceil(width * ratio), height: Math.ceil(height * ratio) });
+    const context = picture.getContext("2d");
+    context.fillStyle = paint;
+    context.moveTo(0, picture.height);
+    forces.forEach((force, i) => context.lineTo((picture.width * i) / (forces.length - 1), picture.height * (1 - force / peak)));
+    context.lineTo(picture.width, picture.height);
+    context.fill();
+    return (this.picture = { of, picture, peak });
   }
 
   // Pulling a hammer back sets its speed, moving it along the string its place; letting go throws it. Pulling a string sets
@@ -722,7 +775,8 @@ export class Stage {
 
   // The pointer is a hand where it can take hold.
   showHand() {
-    this.canvas.style.cursor = this.pulled ? "grabbing" : this.pointer && this.isNear(this.pointer) ? "grab" : "";
+    const hand = this.pulled ? "grabbing" : this.pointer && this.isNear(this.pointer) ? "grab" : "";
+    if (hand !== this.hand) this.canvas.style.cursor = this.hand = hand;
   }
 
   // A hammer is pulled back, a string to both sides.
@@ -734,6 +788,6 @@ export class Stage {
     const moves = down !== 0 && this.study.scene.moves !== null && Math.abs(x - this.from.x) > 6;
     const place = moves || this.pulled?.place ? Math.max(0.02, Math.min(0.98, (x - left) / (right - left))) : null;
     this.pulled = { power, place, side: Math.sign(way), text: this.tell(power, place) };
-    this.draw();
+    this.drawSoon();
   }
 }

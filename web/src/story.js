@@ -1,46 +1,25 @@
 // SPDX-License-Identifier: MIT
 // The story: chapters to scroll, each with one idea, one live figure and one control.
 import { readable, slider } from "./controls.js";
-import { withKnots } from "./material.js";
 import { linePlot } from "./plots.js";
 import { Stage, strongest, toldOf } from "./stage.js";
+import { kHard, kSoft } from "./story_numbers.js";
+import { studyOf } from "./studies.js";
 
 export const kChapters = 7;
 
-const kMass = 0.00297; // [kg] of the hammer C4
-const kHalf = 5e-4; // [m] compression at which the force stays when the exponent changes
-const kForceAtHalf = 4.5e9 * kHalf ** 2.5; // [N] of felt_c4
-const kSoft = 0.5, kHard = 4; // [m/s]
 const kMiddleC = 60;
-const kCurve = 80; // points of a curve
 const kHeight = 280; // pixels of a plot
 const kEnergyHeight = 200;
+const kThinned = 4; // frames for a point of energy
 const kSlowed = 1000; // times, in all scenes
 const kMargin = "300px"; // figures are made before they are in view
 
 /** A number as people read it, with so many digits. */
 const rounded = (value, digits) => readable(Number(value.toPrecision(digits)));
 
-/** The file of a felt that has this exponent, and so many uniform pieces. */
-function felt(exponent, segments) {
-  return JSON.stringify({
-    name: "felt",
-    contact: { stiffness_n_per_m_alpha: kForceAtHalf / kHalf ** exponent, exponent },
-    impact: { mass_kg: kMass, max_speed_m_per_s: 6, min_speed_m_per_s: 0.1 },
-    spline: { knots: "uniform", segments },
-  });
-}
-
-/** The energy of a table's spline at a compression; a row: knot, energy, force, half curvature. */
-function energyAt(table, y) {
-  if (y <= table[0][0]) return 0;
-  const [knot, energy, force, curvature] = table.findLast(([begin]) => begin <= y);
-  const d = y - knot;
-  return energy + d * (force + d * curvature);
-}
-
 // The plot of a chapter.
-const plotOf = (article, x, y, lines) => linePlot(article.querySelector("figure > .plot"), { x, y, height: kHeight, lines });
+const plotOf = (article, x, y, lines, range) => linePlot(article.querySelector("figure > .plot"), { x, y, height: kHeight, lines, range });
 
 // The line that says what a figure shows, at the end of a chapter.
 function noteOf(article) {
@@ -67,11 +46,11 @@ function dragMoves(element, control) {
 }
 
 export class Story {
-  /** studies: of the story alone. instruments: what engine.cpp says of each, by name. stiffness: the slider of the
+  /** answered: when the last figure that was asked for is shown. background: computes all numbers (worker.js). instruments: what engine.cpp says of each, by name. stiffness: the slider of the
    * comparison. hear(state, velocity) sets the page and strikes; piece() plays one; at(chapter) is told of the chapter in
-   * view, 0 before the first. */
-  constructor({ studies, generator, instruments, stiffness, hear, piece, at }) {
-    Object.assign(this, { studies, generator, instruments, stiffness, hear, at, chapter: 0, stages: new Map(), made: new Set() });
+   * view, 0 before the first. moves(): something begins to move, frame() is to be called. */
+  constructor({ background, instruments, stiffness, hear, piece, at, moves }) {
+    Object.assign(this, { background, instruments, stiffness, hear, at, moves, chapter: 0, stages: new Map(), made: new Set() });
     this.chapters = [...document.querySelectorAll("#story .chapter")];
     document.getElementById("story-piece").addEventListener("click", piece);
     document.getElementById("story-start").addEventListener("click", () => this.go(1));
@@ -112,37 +91,30 @@ export class Story {
   make(article) {
     if (this.made.has(article)) return;
     this.made.add(article);
-    const makers = ["collision", "blows", "spline", "step", "energy", "contacts", "piano"];
+    const makers = ["collision", "blows", "spline", "step", "balance", "contacts", "piano"];
     this[makers[this.chapters.indexOf(article)]](article);
   }
 
-  /** Draws what moves; call on every frame of the screen. */
+  /** Draws what moves; call on every frame of the screen. Returns whether it goes on. */
   frame(now) {
-    for (const article of this.inView) this.stages.get(article)?.frame(now);
+    return [...this.inView].map((article) => this.stages.get(article)?.frame(now)).some(Boolean);
   }
 
   draw() {
     for (const stage of this.stages.values()) stage.draw();
   }
 
-  // The one control of a chapter, and the line that says what the figure shows. change(value) returns that line.
-  control(article, shape, change) {
-    const control = slider(shape, (value) => (note.textContent = change(value)));
+  // The one control of a chapter, and the line that says what the figure shows. change(answer) shows what the background answers
+  // to a task with the control's value, and returns that line.
+  control(article, shape, task, change) {
+    const ask = (value) => {
+      this.answered = this.background.latest(task, task, value).then((answer) => answer && (note.textContent = change(answer)));
+    };
+    const control = slider(shape, ask);
     article.querySelector(".live").append(control.box);
     const note = noteOf(article);
     dragMoves(article.querySelector("figure > .plot"), control);
-    note.textContent = change(shape.init);
-  }
-
-  /** A mass thrown at felt: compressions [m] and forces [N] of all samples, and the design of the felt. */
-  blow(text, speed, ratio = 1) {
-    const design = this.generator.design(text, "felt.json");
-    this.studies.useMaterial(design);
-    const { parameters } = this.instruments.get("mass_barrier");
-    const set = { mass_kg: kMass, speed_m_per_s: speed, stiffness_ratio: ratio, gravity_m_per_s2: 0, loss_s_per_m: 0, start_m: -1e-5 };
-    const values = parameters.map(({ name, init }) => set[name] ?? init);
-    const study = this.studies.play("mass_at_material", values, { key: kMiddleC, velocity: 1, event: 0 });
-    return { design, compressions: study.column(0), forces: study.column(2), step: 1 / study.sampleRate };
+    ask(shape.init);
   }
 
   // The figure is that of the comparison (compare.js).
@@ -155,15 +127,10 @@ export class Story {
       { label: `soft, ${kSoft} m/s`, colour: "blue", width: 3 },
       { label: `hard, ${kHard} m/s`, colour: "orange", dash: [8, 4], width: 3 },
     ]);
-    this.control(article, { label: "exponent a", min: 1, max: 4, step: 0.05, init: 2.5 }, (a) => {
-      const [soft, hard] = [kSoft, kHard].map((speed) => this.blow(felt(a, 40), speed));
-      const lasts = ({ forces, step }) => forces.filter((force) => force > 0).length * step * 1000;
-      const peak = ({ forces }) => Math.max(...forces);
-      const end = Math.ceil((1.1 * Math.max(lasts(soft), lasts(hard))) / 1000 / soft.step);
-      const shown = ({ forces }) => Array.from(forces.slice(0, end), (force) => force / Math.max(...forces));
-      plot.set([Array.from({ length: end }, (_, i) => i * soft.step * 1000), shown(soft), shown(hard)]);
-      const told = (blow) => `${rounded(lasts(blow), 3)} ms, at most ${rounded(peak(blow), 3)} N`;
-      return `Soft: ${told(soft)}. Hard: ${told(hard)}.`;
+    this.control(article, { label: "exponent a", min: 1, max: 4, step: 0.05, init: 2.5 }, "blows", ({ told, data }) => {
+      plot.set(data);
+      const [soft, hard] = told.map(({ duration, force }) => `${rounded(1000 * duration, 3)} ms, at most ${rounded(force, 3)} N`);
+      return `Soft: ${soft}. Hard: ${hard}.`;
     });
   }
 
@@ -173,10 +140,9 @@ export class Story {
       { label: "spline", colour: "blue", width: 2 },
       { label: "knots", colour: "ink", isPoints: true, size: 9 },
     ]);
-    this.control(article, { label: "pieces", min: 1, max: 20, step: 1, init: 2 }, (pieces) => {
-      const { curve, quality, table } = this.generator.design(felt(2.5, pieces), "felt.json");
-      plot.set(withKnots(curve, table));
-      return `The spline is within ${rounded(100 * quality.force, 2)} % of the largest force.`;
+    this.control(article, { label: "pieces", min: 1, max: 20, step: 1, init: 2 }, "spline", ({ error, data }) => {
+      plot.set(data);
+      return `The spline is within ${rounded(100 * error, 2)} % of the largest force.`;
     });
   }
 
@@ -186,21 +152,9 @@ export class Story {
       { label: "hammer: how far it gets", colour: "blue", width: 3 },
       { label: "solution of the contact step", colour: "ink", isPoints: true, size: 12 },
     ]);
-    this.control(article, { label: "stiffness ratio", min: 1, max: 3000, init: 300, isLogarithmic: true }, (ratio) => {
-      const { design, compressions, forces, step } = this.blow(felt(2.5, 15), 2.5, ratio);
-      const n = forces.indexOf(Math.max(...forces));
-      const [before, end, force] = [compressions[n - 1], compressions[n], forces[n]];
-      const admittance = step ** 2 / (2 * kMass);
-      const free = end + admittance * force;
-      const energy = energyAt(design.table, before);
-      const mean = (y) => (ratio * (energyAt(design.table, y) - energy)) / (y - before);
-      // As far to both sides as the force takes from the free way.
-      const reach = free - end;
-      const points = Array.from({ length: kCurve }, (_, i) => end + reach * ((2 * i + 1) / kCurve - 1));
-      const curves = points.map((y) => [y, mean(y), (free - y) / admittance, null]);
-      const rows = [...curves, [end, null, null, force]].toSorted(([a], [b]) => a - b);
-      plot.set([rows.map(([y]) => 1000 * y), ...[1, 2, 3].map((k) => rows.map((row) => row[k]))]);
-      this.solved = { mean: mean(end), force };
+    this.control(article, { label: "stiffness ratio", min: 1, max: 3000, init: 300, isLogarithmic: true }, "step", ({ before, end, free, force, mean, data }) => {
+      plot.set(data);
+      this.solved = { mean, force };
       const millimetres = (y) => `${rounded(1000 * y, 4)} mm`;
       return (
         `The sample begins at ${millimetres(before)}. Without force the hammer would get to ${millimetres(free)}, ` +
@@ -209,8 +163,16 @@ export class Story {
     });
   }
 
-  energy(article) {
-    this.scene(article, { instrument: "hammer_on_string", parameter: "stiffness_ratio", label: "A hammer on a string, with its energies" });
+  balance(article) {
+    const plot = plotOf(article, "time [ms]", "energy [% of the throw]", [
+      { label: "contact step", colour: "blue", width: 3 },
+      { label: "fd.hammer", colour: "orange", dash: [6, 3], width: 3 },
+    ], (_, low, high) => [0, Math.max(150, Math.min(250, high ?? 0))]);
+    this.control(article, { label: "stiffness ratio", min: 1, max: 1000, init: 300, isLogarithmic: true }, "energies", ({ work, within, end, data }) => {
+      plot.set(data);
+      const other = end < 2.5 ? `${rounded(100 * end, 3)} % of it at the end` : "more and more, from nothing";
+      return `Thrown: ${rounded(1000 * work, 3)} mJ. Contact step: the same all along, within ${rounded(within, 2)} of it. fd.hammer: ${other}.`;
+    });
   }
 
   contacts(article) {
@@ -227,35 +189,38 @@ export class Story {
       range: (_, low, high) => [0, Math.max(1, high ?? 0) * 1.08],
     }));
     const drawn = ({ scene, column, frames, sampleRate }) => {
-      const parts = scene.books.map(([, number]) => Array.from(column(number), (energy) => (100 * energy) / scene.work));
-      const all = parts[0].map((_, i) => parts.reduce((sum, part) => sum + part[i], 0));
-      plot.set([Array.from({ length: frames }, (_, i) => (1000 * i) / sampleRate), all, ...parts]);
+      const at = Array.from({ length: Math.ceil(frames / kThinned) }, (_, i) => kThinned * i);
+      const parts = scene.books.map(([, number]) => {
+        const energies = column(number);
+        return at.map((i) => (100 * energies[i]) / scene.work);
+      });
+      const all = at.map((_, i) => parts.reduce((sum, part) => sum + part[i], 0));
+      plot.set([at.map((i) => (1000 * i) / sampleRate), all, ...parts]);
     };
-    this.scene(article, { instrument: "tanpura", parameter: "bridge_gap_shift_m", label: "The string of a tanpura over its bridge", drawn });
+    this.scene(article, { instrument: "tanpura", parameter: "bridge_gap_shift_m", least: 0, label: "The string of a tanpura over its bridge", drawn }); // higher, it would bend the string
   }
 
   piano(article) {
     this.scene(article, { instrument: "piano", parameter: "stiffness_ratio", label: "A hammer of the piano, its string and the board" });
   }
 
-  // A stage of an instrument with one of its parameters. What is thrown or pulled there is heard, too.
+  // A stage of an instrument with one of its parameters, from `least` on. What is thrown or pulled there is heard, too.
   // drawn(study): of each new note.
-  scene(article, { instrument, parameter, label, drawn = () => {} }) {
+  scene(article, { instrument, parameter, least, label, drawn = () => {} }) {
     const live = article.querySelector(".live");
     const make = (tag, set) => Object.assign(document.createElement(tag), set);
     const canvas = make("canvas", { className: "stage" });
     canvas.setAttribute("role", "img");
     canvas.setAttribute("aria-label", label);
-    const play = make("button", { textContent: "Pause" });
-    const time = make("input", { type: "range", min: 0, max: 1, step: 0.001, value: 0 });
+    const play = make("button", { className: "stage-play", textContent: "Pause" });
+    const time = make("input", { className: "stage-time", type: "range", min: 0, max: 1, step: 0.001, value: 0 });
     time.setAttribute("aria-label", `Time: ${label}`);
     const hear = make("button", { textContent: "Hear it", className: "primary" });
+    const figure = make("figure", { className: "stage-figure" });
+    figure.append(canvas, time, play);
     const row = make("div", { className: "row" });
-    row.append(play, Object.assign(make("label", { className: "grow" })), hear);
-    row.querySelector("label").append("Time", time);
-    const figure = make("figure");
-    figure.append(canvas, row);
-    live.prepend(figure);
+    row.append(hear);
+    live.prepend(figure, row);
 
     const { parameters, velocity } = this.instruments.get(instrument);
     const values = parameters.map(({ init }) => init);
@@ -270,13 +235,22 @@ export class Story {
         sound();
       },
       tell: (power, place) => toldOf(stage.study.scene, parameters, power, place),
+      energyOf: (power) => {
+        const { throws } = stage.study.scene;
+        return throws === null || !values[throws] ? null : ((power * strongest(parameters[throws])) / values[throws]) ** 2;
+      },
+      moves: this.moves,
     });
     stage.wake();
     const study = () => {
-      this.studies.useMaterial(this.shipped());
-      stage.show(this.studies.play(instrument, values, { key: kMiddleC, velocity: state.power ?? velocity, event: 0 }));
-      const { scene, column } = stage.study;
-      drawn(stage.study);
+      const note = { key: kMiddleC, velocity: state.power ?? velocity, event: 0 };
+      const played = this.background.latest(instrument, "scene", { instrument, values: [...values], note });
+      this.answered = played.then((played) => played && show(studyOf(played)));
+    };
+    const show = (played) => {
+      stage.show(played);
+      const { scene, column } = played;
+      drawn(played);
       const peak = rounded(Math.max(...stage.forces), 3);
       const told = [`${rounded(1000 * stage.length(), 3)} ms, ${kSlowed} times slower; at most ${peak} N.`];
       if (scene.imbalance !== undefined && scene.work > 0) {
@@ -292,20 +266,14 @@ export class Story {
     };
     hear.addEventListener("click", sound);
     const number = parameters.findIndex(({ name }) => name === parameter);
-    let waiting = 0;
-    const control = slider(parameters[number], (value) => {
+    const { min } = parameters[number];
+    const control = slider({ ...parameters[number], min: least ?? min }, (value) => {
       values[number] = value;
-      clearTimeout(waiting);
-      waiting = setTimeout(study, 60);
+      study();
     });
     live.append(control.box);
     const note = noteOf(article);
     this.stages.set(article, stage);
     study();
-  }
-
-  // The felt of C4, which all scenes of the story have.
-  shipped() {
-    return (this.felt ??= this.generator.design(this.generator.materials().felt_c4, "felt_c4.json"));
   }
 }

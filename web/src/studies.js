@@ -3,6 +3,29 @@
 import { writeInstrument, writeMaterial } from "../../hosts/npm/src/engine.js";
 import { startModule, textAt, withTexts } from "../../hosts/npm/src/wasm_module.js";
 
+const kLoop = 3e-3; // seconds that are shown at least, again and again
+
+const columnOf = ({ frames, size, numbers }, k) => Float64Array.from({ length: frames }, (_, i) => numbers[i * size + k]);
+
+// How many frames are shown: the blow and a quarter more; and the largest displacement of strings and bodies there [m].
+function viewOf(played, { force, items }) {
+  const { frames, size, numbers, sampleRate } = played;
+  const last = columnOf(played, force).findLastIndex((now) => now > 0);
+  const shown = last < 0 ? frames : Math.min(frames, Math.round(Math.max(kLoop * sampleRate, 1.25 * last)) + 1);
+  let reach = 0;
+  for (const { column, points } of items.filter(({ points }) => points))
+    for (let i = 0; i < shown; ++i)
+      for (let p = i * size + column; p < i * size + column + points; ++p) reach = Math.max(reach, Math.abs(numbers[p]));
+  return { frames: shown, reach };
+}
+
+/** What is played, also by another thread, with column(k), the numbers k of all frames, and points(frame, k, count). */
+export const studyOf = (played) => ({
+  ...played,
+  column: (k) => columnOf(played, k),
+  points: (frame, k, count) => played.numbers.subarray(frame * played.size + k, frame * played.size + k + count),
+});
+
 /** From studies.wasm, compiled or as bytes. */
 export function startStudies(module, sampleRate) {
   const exports = startModule(module);
@@ -11,21 +34,16 @@ export function startStudies(module, sampleRate) {
     /** Takes the instrument of a user's file, which is called "own". */
     takeInstrument: (bytes) => writeInstrument(exports, exports.studies_own_instrument, bytes),
 
-    /** A note of an instrument with these values of its parameters. Returns null, or frames with column(k), the numbers
-     * k of all frames, points(frame, k, count), and their scene (web/wasm/study.hpp). */
-    play(instrument, values, { key, velocity, event }) {
+    /** A note of an instrument with these values of its parameters. Returns null, or `size` numbers for each of `frames`, their
+     * scene (web/wasm/study.hpp), and what of it is in view. */
+    play(instrument, values, { key, velocity, event }, rate = sampleRate) {
       new Float64Array(exports.memory.buffer, exports.studies_values(values.length), values.length).set(values);
-      const address = withTexts(exports, [instrument], (name) => exports.studies_play(name, key, velocity, event, sampleRate));
+      const address = withTexts(exports, [instrument], (name) => exports.studies_play(name, key, velocity, event, rate));
       if (address === 0) return null;
       const [frames, size] = [exports.studies_frames(), exports.studies_frame_size()];
       const numbers = new Float64Array(exports.memory.buffer, address, frames * size).slice();
-      return {
-        frames,
-        sampleRate,
-        scene: JSON.parse(textAt(exports, exports.studies_scene())),
-        column: (k) => Float64Array.from({ length: frames }, (_, i) => numbers[i * size + k]),
-        points: (frame, k, count) => numbers.subarray(frame * size + k, frame * size + k + count),
-      };
+      const [played, scene] = [{ frames, size, numbers, sampleRate: rate }, JSON.parse(textAt(exports, exports.studies_scene()))];
+      return { ...played, scene, view: viewOf(played, scene) };
     },
 
     /** The strike of fd_hammer_c4.dsp by the contact step: displacement at the place of the strike [m]. */

@@ -40,14 +40,14 @@ export class ContactSpline extends playable(globalThis.AudioWorkletNode ?? Objec
 
   /** A node whose engine takes these messages before its first block. The processor is told its name and its parameters behind
    * the # of its address: one file serves all instruments, without code that is made up at run time. */
-  static async open(context, processor, engine, messages, { description = { name: "any", parameters: [] }, isLimited, isReported }) {
+  static async open(context, processor, engine, messages, { description = { name: "any", parameters: [] }, isLimited, isReported, isCentred = false }) {
     const parameters = description.parameters.map(descriptorOf);
     const name = `contactspline ${description.name} ${numberOf(JSON.stringify(parameters))}`;
     await context.audioWorklet.addModule(`${processor}#${encodeURIComponent(JSON.stringify({ name, parameters }))}`);
     const node = new ContactSpline(context, name, {
       numberOfInputs: 0,
       outputChannelCount: [2],
-      processorOptions: { engine, messages, isLimited, isReported },
+      processorOptions: { engine, messages, isLimited, isReported, isCentred },
     });
     node.description = description;
     node.heard = {}; // what is called with which message of the audio thread

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 // The audio thread: plays an instrument, and reports force, energies and sound.
+import { Centre } from "./centre.js";
 import { startEngine } from "./engine.js";
 import { limited } from "./limiter.js";
 import { play } from "./messages.js";
 
 const kReport = 1024; // samples between two reports
 const kFade = 1 / 882; // of the level, in each sample: 20 ms
+const kBalanced = 1 / 22050; // of the way to the gain without a score, in each sample
 const kSounding = 0.05; // seconds after the last block in which an instrument still counts as sounding
 
 // Its name and its parameters stand behind the # of the address (contactspline.js).
@@ -27,6 +29,8 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
     this.values = kParameters.map(({ defaultValue }) => Math.fround(defaultValue)); // of the AudioParams
     this.shaped = processorOptions.isLimited ? limited : (sample) => sample;
     this.isReported = processorOptions.isReported;
+    this.isCentred = processorOptions.isCentred;
+    this.centre();
     this.isClosed = false;
     this.playedAt = -Infinity; // seconds
     this.isPlaying = false;
@@ -34,6 +38,8 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
     this.waiting = []; // messages from the choice of an instrument on, until the one before is silent
     this.level = 1;
     this.gain = 1;
+    this.scoreGain = 1;
+    this.isScore = false;
     this.filled = 0;
     this.strikes = 0;
     this.peak = 0;
@@ -82,11 +88,20 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
   choose({ number, gain, oversample }) {
     this.engine.choose(number, sampleRate, oversample);
     this.gain = gain;
+    this.scoreGain = 1;
+    this.isScore = false;
     this.isPlaying = true;
+    this.centre();
+  }
+
+  centre() {
+    const none = { next: (sample) => sample };
+    this.centres = [0, 1].map(() => (this.isCentred ? new Centre(sampleRate) : none));
   }
 
   // A score, whose times count from now on. The page is told of its notes.
-  begin({ voices, messages }) {
+  begin({ voices, messages, gain = 1 }) {
+    Object.assign(this, { scoreGain: gain, isScore: true });
     voices.forEach((voice, i) => {
       this.engine.addVoice(voice);
       this.engine.pan(i + 1, voice.pan);
@@ -97,6 +112,7 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
 
   stop() {
     this.later = [];
+    this.isScore = false;
     this.engine.letGo();
   }
 
@@ -139,9 +155,12 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
     const [a, b, force] = this.engine.process(left.length);
     for (let i = 0; i < left.length; ++i) {
       this.level = this.waiting.length > 0 ? Math.max(0, this.level - kFade) : 1;
-      this.peak = Math.max(this.peak, this.level * this.gain * Math.max(Math.abs(a[i]), Math.abs(b[i])));
-      left[i] = this.shaped(this.level * this.gain * a[i]);
-      right[i] = this.shaped(this.level * this.gain * b[i]);
+      if (!this.isScore) this.scoreGain += kBalanced * (1 - this.scoreGain);
+      const gain = this.level * this.gain * this.scoreGain;
+      const [one, other] = [gain * this.centres[0].next(a[i]), gain * this.centres[1].next(b[i])];
+      this.peak = Math.max(this.peak, Math.abs(one), Math.abs(other));
+      left[i] = this.shaped(one);
+      right[i] = this.shaped(other);
     }
     if (this.isReported) this.report(force);
   }

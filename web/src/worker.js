@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// The thread that designs and computes slow motion and the figures of the story, asked by background.js.
+import { startGenerator } from "../../hosts/npm/src/generator.js";
+import { renderFd } from "./fd_hammer.js";
+import { StoryNumbers } from "./story_numbers.js";
+import { startStudies } from "./studies.js";
+
+const kEnergyShown = 0.008; // seconds
+
+let studies = null; // with the material of the editor
+let numbers = null; // of the story
+let generator = null;
+let program = null; // fd.hammer
+
+const tasks = {
+  start({ modules, description, parameters, sampleRate }) {
+    generator = startGenerator(modules.generator);
+    studies = startStudies(modules.studies, sampleRate);
+    program = { module: modules.fd, description, sampleRate };
+    numbers = new StoryNumbers(startStudies(modules.studies, sampleRate), generator, parameters, sampleRate);
+  },
+  material: (design) => studies.useMaterial(design),
+  own: (bytes) => studies.takeInstrument(bytes),
+  play: ({ instrument, values, note }) => studies.play(instrument, values, note),
+  scene: ({ instrument, values, note }) => numbers.scene(instrument, values, note),
+  blow: ({ text, speed, mass }) => numbers.told(numbers.blow(text, speed, { mass })),
+  blows: (exponent) => numbers.blows(exponent),
+  spline: (pieces) => numbers.spline(pieces),
+  step: (ratio) => numbers.step(ratio),
+  strikes: ({ ratio, seconds }) => ({ ours: numbers.strike(ratio, seconds), theirs: renderFd(program, ratio, seconds) }),
+  energies: (ratio) => numbers.energies(ratio, renderFd(program, ratio, kEnergyShown)),
+  design: ({ text, name }) => generator.design(text, name),
+};
+
+// Large lists are handed over, not copied.
+const listsOf = (answer) => Object.values(answer ?? {}).filter(ArrayBuffer.isView).map(({ buffer }) => buffer);
+
+onmessage = ({ data: { number, task, given } }) => {
+  try {
+    const answer = tasks[task](given);
+    postMessage({ number, answer }, [...new Set(listsOf(answer))]);
+  } catch (error) {
+    postMessage({ number, error: error.message });
+  }
+};
