@@ -162,7 +162,11 @@ class Page {
     this.engine = startEngine(await engine, kSampleRate);
     this.studies = startStudies(await studies, kSampleRate);
     const strings = this.engine.strings();
-    this.engine.instruments().forEach((instrument, number) => this.instruments.set(instrument.name, { ...instrument, number, strings }));
+    this.engine.instruments().forEach((instrument, number) => {
+      let bytes; // of a file, packed when it is first drawn
+      const packed = () => (bytes ??= this.engine.packed(number));
+      this.instruments.set(instrument.name, { ...instrument, number, strings, packed });
+    });
     this.offerInstruments();
     const first = stateOf(location.hash);
     this.play(this.instruments.has(first.instrument) ? first.instrument : kFirst, first.controls); // on the felt of C4
@@ -243,12 +247,11 @@ class Page {
   /** Plays the instrument of the user's own file; parameters that it had before keep their values. */
   playOwn({ bytes, text }) {
     const values = this.instrument === kOwn ? this.sound().controls : {};
-    for (const player of [this.engine, this.studies]) player.takeInstrument(bytes);
-    this.background.ask("own", bytes);
+    this.engine.takeInstrument(bytes);
     this.audio.send({ do: kOwn, bytes });
     const all = this.engine.instruments();
     const { title, ...described } = all.at(-1);
-    this.instruments.set(kOwn, { ...described, name: kOwn, title: `my own: ${title}`, number: all.length - 1, text });
+    this.instruments.set(kOwn, { ...described, name: kOwn, title: `my own: ${title}`, number: all.length - 1, text, packed: () => bytes });
     this.gains.delete(kOwn);
     this.offerInstruments();
     this.play(kOwn, values);
@@ -479,7 +482,7 @@ class Page {
   // The slow motion of the note that was played last, with the controls of now.
   study() {
     const asked = this.note();
-    this.showStudy(this.studies.play(asked.instrument, asked.values, asked.note), asked);
+    this.showStudy(this.studies.play(asked.instrument, asked.values, asked.note, asked), asked);
   }
 
   /** The note that was played last, or the first one. */
@@ -487,7 +490,7 @@ class Page {
     const { keys, velocity, events } = this.played();
     const key = this.lastKey ?? kMiddleC;
     const event = keys ? 0 : Math.max(0, key - kMiddleC) % Math.max(1, events.length);
-    return { instrument: this.instrument, values: this.values(), note: { key, velocity: this.lastVelocity ?? velocity, event } };
+    return { instrument: this.instrument, bytes: this.played().packed(), values: this.values(), note: { key, velocity: this.lastVelocity ?? velocity, event } };
   }
 
   showStudy(played, asked) {

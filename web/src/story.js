@@ -244,7 +244,7 @@ export class Story {
     stage.wake();
     const study = () => {
       const note = { key: kMiddleC, velocity: state.power ?? velocity, event: 0 };
-      const played = this.background.latest(instrument, "scene", { instrument, values: [...values], note });
+      const played = this.background.latest(instrument, "scene", { instrument, bytes: this.instruments.get(instrument).packed(), values: [...values], note });
       this.answered = played.then((played) => played && show(studyOf(played)));
     };
     const show = (played) => {

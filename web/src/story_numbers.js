@@ -56,9 +56,9 @@ export class StoryNumbers {
   }
 
   /** A note of an instrument with the felt of C4. */
-  scene(instrument, values, note) {
+  scene(instrument, values, note, bytes) {
     this.studies.useMaterial(this.shipped);
-    return this.studies.play(instrument, values, note);
+    return this.studies.play(instrument, values, note, { bytes });
   }
 
   /** A mass thrown at a material: compressions [m] and forces [N] of all samples, and its design. */
@@ -66,7 +66,7 @@ export class StoryNumbers {
     this.studies.useMaterial(design);
     const set = { mass_kg: mass, speed_m_per_s: speed, stiffness_ratio: ratio, gravity_m_per_s2: 0, loss_s_per_m: design.loss_s_per_m, start_m: 0 };
     const values = this.mass.map(({ name, init }) => set[name] ?? init);
-    const { column, sampleRate } = studyOf(this.studies.play("mass_at_material", values, { key: kMiddleC, velocity: 1, event: 0 }, finer * this.sampleRate));
+    const { column, sampleRate } = studyOf(this.studies.play("mass_at_material", values, { key: kMiddleC, velocity: 1, event: 0 }, { rate: finer * this.sampleRate }));
     return { design, compressions: column(0), forces: column(2), step: 1 / sampleRate };
   }
 

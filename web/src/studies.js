@@ -31,14 +31,12 @@ export function startStudies(module, sampleRate) {
   const exports = startModule(module);
   return {
     useMaterial: (design) => writeMaterial(exports, exports.studies_rows, exports.studies_use_material, design),
-    /** Takes the instrument of a user's file, which is called "own". */
-    takeInstrument: (bytes) => writeInstrument(exports, exports.studies_own_instrument, bytes),
-
-    /** A note of an instrument with these values of its parameters. Returns null, or `size` numbers for each of `frames`, their
+    /** A note of an instrument with these values of its parameters. bytes: the instrument itself, of a file. Returns null, or `size` numbers for each of `frames`, their
      * scene (web/wasm/study.hpp), and what of it is in view. */
-    play(instrument, values, { key, velocity, event }, rate = sampleRate) {
+    play(instrument, values, { key, velocity, event }, { bytes, rate = sampleRate } = {}) {
+      if (bytes) writeInstrument(exports, exports.studies_file_instrument, bytes);
       new Float64Array(exports.memory.buffer, exports.studies_values(values.length), values.length).set(values);
-      const address = withTexts(exports, [instrument], (name) => exports.studies_play(name, key, velocity, event, rate));
+      const address = withTexts(exports, [bytes ? "of_file" : instrument], (name) => exports.studies_play(name, key, velocity, event, rate));
       if (address === 0) return null;
       const [frames, size] = [exports.studies_frames(), exports.studies_frame_size()];
       const numbers = new Float64Array(exports.memory.buffer, address, frames * size).slice();

@@ -20,9 +20,8 @@ const tasks = {
     numbers = new StoryNumbers(startStudies(modules.studies, sampleRate), generator, parameters, sampleRate);
   },
   material: (design) => studies.useMaterial(design),
-  own: (bytes) => studies.takeInstrument(bytes),
-  play: ({ instrument, values, note }) => studies.play(instrument, values, note),
-  scene: ({ instrument, values, note }) => numbers.scene(instrument, values, note),
+  play: ({ instrument, bytes, values, note }) => studies.play(instrument, values, note, { bytes }),
+  scene: ({ instrument, bytes, values, note }) => numbers.scene(instrument, values, note, bytes),
   blow: ({ text, speed, mass }) => numbers.told(numbers.blow(text, speed, { mass })),
   blows: (exponent) => numbers.blows(exponent),
   spline: (pieces) => numbers.spline(pieces),

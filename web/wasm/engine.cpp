@@ -134,7 +134,8 @@ Maker maker_of_file() {
   };
 }
 
-Bytes own;  // packed instrument of the page's user
+Bytes own;   // packed instrument of the page's user
+Bytes sent;  // packed instrument for the studies
 
 std::unique_ptr<Playable> own_instrument(const VoicePlan& plan) {
   if (!plan.is_plain()) return nullptr;
@@ -155,6 +156,18 @@ std::vector<Maker>& instruments() {
                                  dulcimer};
     each_instrument_of_a_file([&]<template <typename> typename I>() { makers.push_back(maker_of_file<I>()); });
     return makers;
+  }();
+  return all;
+}
+
+// The instruments of files that ship are the last ones before the user's own.
+using Pack = Bytes (*)();
+const std::vector<Pack>& packs() {
+  static const std::vector<Pack> all = [] {
+    std::vector<Pack> packs;
+    each_instrument_of_a_file(
+        [&]<template <typename> typename I>() { packs.push_back([] { return packed(I<float>::data::view()); }); });
+    return packs;
   }();
   return all;
 }
@@ -197,6 +210,18 @@ CONTACTSPLINE_WEB(std::byte*, engine_own_instrument, int bytes) {
   if (own.empty()) instruments().emplace_back(own_instrument);
   own.resize(static_cast<std::size_t>(std::max(bytes, 1)));
   return own.data();
+}
+
+/// Packs the instrument of a file that ships, as the studies take it; then engine_packed() says where. Returns the
+/// number of bytes, 0 of another instrument.
+CONTACTSPLINE_WEB(int, engine_pack, int number) {
+  const std::size_t first = instruments().size() - packs().size() - (own.empty() ? 0 : 1);
+  const std::size_t file = static_cast<std::size_t>(std::max(number, 0)) - first;
+  sent = number >= 0 && file < packs().size() ? packs()[file]() : Bytes();
+  return static_cast<int>(sent.size());
+}
+CONTACTSPLINE_WEB(const std::byte*, engine_packed) {
+  return sent.data();
 }
 
 /// How late an instrument is that runs so many times finer [samples].

@@ -24,7 +24,7 @@ Material material;
 Study study;
 std::size_t frames = 1;
 std::vector<double> values;  // of the parameters of the instrument that is studied
-Bytes own;                   // packed instrument of the page's user
+Bytes of_file;               // packed instrument of a file that ships or is the user's
 
 constexpr double kBlow_s = 0.012, kPluck_s = 0.03;
 
@@ -60,14 +60,9 @@ std::vector<Studied> all_studied() {
        }},
       {"slide_string", kPluck_s, of_plucked<SlideGuitar, resonators::guitar_g3>},
       {"fret_string", kPluck_s, of_plucked<FretGuitar, resonators::guitar_d3>}};
-  each_instrument_of_a_file([&]<template <typename> typename I>() {
-    all.push_back({I<double>().name(), kPluck_s, [](const StudyPlan& plan, std::size_t event) {
-                     return study_of_network(I<double>::data::view(), values, event, plan);
-                   }});
-  });
-  all.push_back({"own", kPluck_s, [](const StudyPlan& plan, std::size_t event) {
-                   if (own.empty()) return Study{};
-                   return study_of_network(UnpackedInstrument(own).data(), values, event, plan);
+  all.push_back({"of_file", kPluck_s, [](const StudyPlan& plan, std::size_t event) {
+                   if (of_file.empty()) return Study{};
+                   return study_of_network(UnpackedInstrument(of_file).data(), values, event, plan);
                  }});
   return all;
 }
@@ -85,11 +80,11 @@ CONTACTSPLINE_WEB(int, studies_use_material, int segments, int memories, double 
   return material.use(segments, memories, mass_kg, loss_s_per_m) ? 1 : 0;
 }
 
-/// Where the page writes so many bytes of its user's instrument, which is called "own": packed by the generator's
-/// module.
-CONTACTSPLINE_WEB(std::byte*, studies_own_instrument, int bytes) {
-  own.resize(static_cast<std::size_t>(std::max(bytes, 1)));
-  return own.data();
+/// Where the page writes so many bytes of the instrument of a file, which is called "of_file": packed by the
+/// generator's module.
+CONTACTSPLINE_WEB(std::byte*, studies_file_instrument, int bytes) {
+  of_file.resize(static_cast<std::size_t>(std::max(bytes, 1)));
+  return of_file.data();
 }
 
 /// Where the page writes the values of so many parameters.

@@ -32,6 +32,11 @@ export function startEngine(module, sampleRate = 44100) {
     peak: (number, seconds) => exports.engine_peak(number, seconds, sampleRate),
     /** Makes the instrument of a user's file the last one of all. */
     takeInstrument: (bytes) => writeInstrument(exports, exports.engine_own_instrument, bytes),
+    /** The bytes of the instrument of a file that ships, as generator.instrument() has them; nothing of another one. */
+    packed(number) {
+      const size = exports.engine_pack(number);
+      return size === 0 ? undefined : new Uint8Array(exports.memory.buffer, exports.engine_packed(), size).slice();
+    },
     /** How late an instrument is that runs so many times finer [samples]. */
     latency: (oversample) => exports.engine_latency(oversample),
     /** Makes an instrument, which runs 1, 2, 4 or 8 times finer: call it before one of the functions below. */
