@@ -31,18 +31,18 @@ class FormMatrix {
       rows[first].push_back({second, factor});
       rows[second].push_back({first, factor});
     }
-    for (std::vector<Entry>& row : rows) std::ranges::sort(row, {}, &Entry::column);
+    for (std::vector<Entry>& row : rows)
+      std::sort(row.begin(), row.end(), [](const Entry& a, const Entry& b) { return a.column < b.column; });
     std::vector<T> factors;
     for (std::size_t first = 0; first < modes;) {
       std::size_t count = 1;
-      while (count < kRowsTogether && first + count < modes &&
-             std::ranges::equal(rows[first], rows[first + count], {}, &Entry::column, &Entry::column))
+      while (count < kRowsTogether && first + count < modes && have_same_columns(rows[first], rows[first + count]))
         ++count;
       add_rows(std::span(rows).subspan(first, count), first, factors);
       first += count;
     }
     factors_ = ModalArray<T>(factors.size());
-    std::ranges::copy(factors, factors_.data());
+    std::copy(factors.begin(), factors.end(), factors_.data());
   }
 
   [[nodiscard]] bool empty() const { return rows_.empty(); }
@@ -63,6 +63,11 @@ class FormMatrix {
     std::size_t column;
     double factor;
   };
+
+  static bool have_same_columns(const std::vector<Entry>& a, const std::vector<Entry>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                      [](const Entry& x, const Entry& y) { return x.column == y.column; });
+  }
 
   void add_rows(std::span<const std::vector<Entry>> rows, std::size_t first, std::vector<T>& factors) {
     rows_.push_back({first, rows.size(), 0});
