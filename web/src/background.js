@@ -28,14 +28,16 @@ export class Background {
     if (this.waiting.has(slot)) {
       this.waiting.get(slot)?.(false);
       if (!(await new Promise((go) => this.waiting.set(slot, go)))) return undefined;
+    } else {
+      this.waiting.set(slot, null);
     }
-    this.waiting.set(slot, null);
     try {
       return await this.ask(task, given);
     } finally {
       const next = this.waiting.get(slot);
-      if (next) next(true);
+      if (next) this.waiting.set(slot, null); // before the next question goes on: one that comes now waits for it
       else this.waiting.delete(slot);
+      next?.(true);
     }
   }
 }

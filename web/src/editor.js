@@ -148,14 +148,17 @@ export class Editor {
 
   offer(design, text) {
     const files = { ...design.files, [`${design.name}_material.json`]: text };
+    const isSame = this.files && Object.keys(files).join() === Object.keys(this.files).join();
+    this.files = files;
+    if (isSame) return; // the buttons stay: new ones would lay the page out again
     const titles = { lib: "Faust library", hpp: "C++ header", json: "JSON" };
     byId("downloads").replaceChildren(
-      ...Object.entries(files).map(([name, content]) => {
+      ...Object.keys(files).map((name) => {
         const button = document.createElement("button");
         const kind = name.endsWith("_material.json") ? "material file" : titles[name.split(".").pop()];
         button.textContent = `Download ${kind}`;
         button.dataset.file = name;
-        button.addEventListener("click", () => download(name, content));
+        button.addEventListener("click", () => download(name, this.files[name]));
         return button;
       }),
     );
