@@ -72,7 +72,7 @@ class Page {
     this.audio = new Audio({
       report: (report) => {
         this.figures.report(report);
-        this.audio.restIfHidden(report.peak, Boolean(this.score));
+        this.audio.restIfHidden(report.peak, Boolean(this.score ?? this.clip.recorder));
       },
       played: (key) => this.heard(key),
       moved: ({ parameter, value }) => this.parameterMoved(parameter, value),
