@@ -1110,7 +1110,7 @@ const cases = {
           const score = page.scores.get(name);
           const instrument = instrumentOf(score, page.instruments);
           const played = performanceOf(score, page.instruments.get(instrument));
-          const [left] = await renderOffline([page.instrumentMessage(instrument), { do: "score", ...played }], 2);
+          const [left] = await renderOffline([page.instrumentMessage(instrument), { do: "score", ...played, gain: page.gainOfScore(name) }], 2);
           const notes = played.messages.filter(({ do: what, bytes = [] }) => what === "noteOn" || ((bytes[0] & 0xf0) === 0x90 && bytes[2] > 0));
           const { events: known, keys } = page.instruments.get(instrument);
           const wrong = notes.filter(({ key, voice }) => voice !== undefined && keys === null && known[key - 60]?.parameter !== played.messages[played.messages.findIndex((other) => other.key === key) - 1].parameter);

@@ -432,8 +432,7 @@ class Page {
 
   gainOf(name) {
     if (this.gains.has(name)) return this.gains.get(name);
-    const { number, velocity } = this.instruments.get(name);
-    this.gains.set(name, noteGain(this.engine, number, velocity, kSampleRate));
+    this.gains.set(name, noteGain(this.engine, this.instruments.get(name), kSampleRate));
     return this.gains.get(name);
   }
 
