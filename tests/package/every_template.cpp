@@ -39,6 +39,7 @@
 #include "contactspline/materials/felt_live.hpp"
 #include "contactspline/modal/bend.hpp"
 #include "contactspline/modal/force_history.hpp"
+#include "contactspline/modal/form_matrix.hpp"
 #include "contactspline/modal/longitudinal.hpp"
 #include "contactspline/modal/modal.hpp"
 #include "contactspline/modal/mode.hpp"
@@ -153,6 +154,7 @@ using Felt = materials::felt_c4;
   template class detail::SleepingContacts<T>;                                                                   \
   template class detail::NewtonSolver<T>;                                                                       \
   template class detail::SampleLaw<T>;                                                                          \
+  template class detail::FormMatrix<T>;                                                                         \
   template class detail::SpringElimination<T>;                                                                  \
   template class detail::StretchForms<T>;                                                                       \
   template class detail::StretchingForm<T>;                                                                     \
