@@ -54,7 +54,7 @@ double characteristic(PlateRim rim, double poisson, int order, double x) {
 double root_of(PlateRim rim, double poisson, int order, int i) {
   thread_local std::map<std::tuple<PlateRim, double, int>, std::vector<double>> found;
   std::vector<double>& roots = found[{rim, poisson, order}];
-  constexpr double kStep = 0.25;
+  constexpr double kStep = 1;
   const auto f = [&](double x) { return characteristic(rim, poisson, order, x); };
   while (roots.size() < static_cast<std::size_t>(i)) {
     double left = roots.empty() ? std::max(1.5, 0.9 * order) : roots.back() + 1;

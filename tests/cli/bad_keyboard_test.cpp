@@ -135,7 +135,7 @@ TEST(BadEars, AreRefusedInOneLine) {
        "is 7.83 m farther from one point of the body than from another; allowed: at most 2 m"},
       {large, R"("ears": [)" + ear + ", " + ear + "]", all, "names a body of 9 m; allowed: at most 3 m"},
       {kTable, R"("ears": [)" + ear + ", " + ear + "]", all,
-       "names a body of the kind 'modes'; allowed: a plate or a membrane"}};
+       "names a body of the kind 'modes'; allowed: a plate, a round_plate or a membrane"}};
   for (const auto& [board, body, begins, says] : cases) {
     const Sandbox box;
     write_file(box / "probe.json",
