@@ -71,6 +71,13 @@ class WiredInstrument {
     return names(contactspline_event_count(get()), contactspline_event_at);
   }
 
+  /// Middle C, or the next key that plays.
+  [[nodiscard]] int first_key() const {
+    constexpr int kMiddleC = 60, kKeys = 128;
+    for (int key = kMiddleC; key < kMiddleC + kKeys; ++key)
+      if (contactspline_has_key(get(), key % kKeys) != 0) return key % kKeys;
+    return kMiddleC;
+  }
   [[nodiscard]] double value(std::size_t parameter) const { return contactspline_get(get(), parameter); }
   void set(std::size_t parameter, double value) { contactspline_set(get(), parameter, value); }
 

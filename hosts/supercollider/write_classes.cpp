@@ -24,7 +24,7 @@ std::string class_name(const std::string& name) {
 }
 
 void write_class(std::ostream& file, const std::string& name, const Instrument& instrument) {
-  file << "\n" << class_name(name) << " {\n\t*ar { |gate = 0, key = 60, velocity = 0.7";
+  file << "\n" << class_name(name) << " {\n\t*ar { |gate = 0, key = " << instrument.first_key() << ", velocity = 0.7";
   for (const std::string& event : instrument.events()) file << ", " << event;
   for (const std::string& parameter : instrument.parameters()) file << ", " << parameter;
   file << ", outputs|\n\t\t^ContactInstrument.ar(\"" << name << "\", [[gate, key, velocity]], [";
