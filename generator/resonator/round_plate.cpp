@@ -164,6 +164,18 @@ double coupling(const Sampled& airy, const Sampled& f, const Sampled& g, const Q
   return integral;
 }
 
+// Rounds the terms of a form to eleven digits of the largest, which all machines find: small ones are what cancels.
+void round_terms(StretchForm& form) {
+  double largest = 0;
+  for (const double square : form.squares_per_m2) largest = std::max(largest, std::abs(square));
+  for (const auto& product : form.products) largest = std::max(largest, std::abs(product.factor_per_m2));
+  if (largest == 0) return;
+  const double step = std::pow(10.0, std::floor(std::log10(largest)) - 10);
+  for (double& square : form.squares_per_m2) square = std::round(square / step) * step;
+  for (auto& product : form.products) product.factor_per_m2 = std::round(product.factor_per_m2 / step) * step;
+  std::erase_if(form.products, [](const auto& product) { return product.factor_per_m2 == 0; });
+}
+
 }  // namespace
 
 double root_above(std::size_t modes) {
@@ -211,6 +223,7 @@ std::vector<StretchForm> stretch_forms(const RoundPlate& plate, std::span<const 
         if (const double product = coupling(function, shapes[p], shapes[q], rule); product != 0)
           form.products.push_back({q, p, product / square_m2});
     }
+    round_terms(form);
   }
   return forms;
 }

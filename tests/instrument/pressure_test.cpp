@@ -218,11 +218,11 @@ TEST(Pressure, OfAMembraneIsThatOfADirectIntegration) {
 }
 
 // A plate as the gong that ships, with more losses and without stretching. Its response rises by 50 dB from the
-// lowest mode on: below 500 Hz the error of the taps, 1e-4 of the largest response, counts.
+// lowest mode on: below 2 kHz the error of the taps, 1e-4 of the largest response, counts.
 TEST(Pressure, OfACircularPlateIsThatOfADirectIntegration) {
   InstrumentModel model = head();
   model.bodies[0].resonator.body = RoundPlate{0.15, 0.0012, 8700, 1.1e11, 0.34, {60, 0.01}};
-  const double error_db = largest_error_db(model, arrays_of(model, 22050), 44100, 500, 12000);
+  const double error_db = largest_error_db(model, arrays_of(model, 22050), 44100, 2000, 12000);
   Measured() << error_db << " dB";
   EXPECT_LT(error_db, 0.01);
 }

@@ -134,12 +134,13 @@ const casesOfOnePage = {
 
   async "every instrument sounds, and sliders act"(page) {
     const sound = (samples) => Math.sqrt(samples.reduce((sum, x) => sum + x * x, 0) / samples.length);
-    const all = await page.evaluate(() => [...contactSpline.page.instruments.values()].map(({ name, velocity }) => [name, velocity]));
+    const all = await page.evaluate(() => [...contactSpline.page.instruments.values()].map(({ name, velocity, keys }) => [name, velocity, keys]));
     const files = readdirSync(new URL("../../data/instruments/", import.meta.url)).map((file) => file.replace(".json", ""));
     assert.deepEqual(files.filter((file) => !all.some(([name]) => name === file)), [], "instrument files that ship");
     assert.equal(all.length, files.length + 6, "the files, and hammers, piano, mass, slide, fret, dulcimer");
-    for (const [name, velocity] of all) {
-      const { samples, right } = await render(page, name, [strike(60, velocity)], 0.3);
+    for (const [name, velocity, keys] of all) {
+      const [lowest, highest] = keys ?? [60, 60];
+      const { samples, right } = await render(page, name, [strike(Math.max(lowest, Math.min(highest, 60)), velocity)], 0.3);
       const level = decibels(Math.max(largest(samples), largest(right)));
       console.log(`  ${name}: ${level.toFixed(1)} dBFS`);
       // All are as loud as the page measures before: 0.18 of full scale; a velocity has seven bits.
