@@ -6,7 +6,7 @@ const kUpperPoles = [12194.217, 12194.217];
 const kPart = 0.4; // seconds
 const kGate = 10; // dB: parts that are so much below the mean count as silence
 const kMostPeak = 0.6; // of full scale: a piece is not turned up further
-const kApart = 1.5; // dB: pieces with high peaks may be softer by so much, and by what the limiter takes
+const kApart = 1; // dB: pieces with high peaks may be softer by so much, and by what the limiter takes
 
 const decibels = (power) => 10 * Math.log10(power);
 
@@ -39,7 +39,7 @@ export function loudnessOf(channels, sampleRate) {
 }
 
 /** The gains of pieces [dB], by { name: { loudness, peak } } as they are without: all as loud as the highest peak allows, but
- * pieces with high peaks up to 1.5 dB softer. */
+ * pieces with high peaks up to 1 dB softer. */
 export function gainsOf(pieces) {
   const all = Object.entries(pieces).map(([name, { loudness, peak }]) => ({ name, loudness, room: decibels((kMostPeak / peak) ** 2) }));
   const goal = Math.min(...all.map(({ loudness, room }) => loudness + room)) + kApart;
