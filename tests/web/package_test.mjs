@@ -175,17 +175,17 @@ const cases = {
     for (const other of [player, fresh]) other.close();
   },
 
-  // The program takes the delay of an oversampled score away.
+  // The program takes the delay of an oversampled score away. Modes of files end at half of one rate; what hears little of higher ones agrees.
   "an oversampled instrument plays the samples of the program, late": async () => {
     for (const oversample of [2, 8]) {
-      const player = await Player.create("tom", kRate, { oversample });
+      const player = await Player.create("classical_guitar", kRate, { oversample });
       const { parameters, events } = player.description;
       const { name: event, init } = parameters[events[0].parameter];
       player.strike(events[0].name);
-      const fullScale = fullScaleOf(program, "tom");
+      const fullScale = fullScaleOf(program, "classical_guitar");
       const played = Array.from(blocks(player, 64)[0].subarray(player.latency), (x) => x * fullScale);
-      const expected = rendered(program, "tom", event, init, { oversample }).slice(0, played.length);
-      assertEqualSound("tom", played.slice(0, expected.length), expected);
+      const expected = rendered(program, "classical_guitar", event, init, { oversample }).slice(0, played.length);
+      assertEqualSound("classical_guitar", played.slice(0, expected.length), expected);
       assert.notEqual(player.latency, 0);
       player.close();
     }
