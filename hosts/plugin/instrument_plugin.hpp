@@ -9,11 +9,13 @@
 #include <chrono>
 #include <cmath>
 #include <concepts>
+#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <mutex>
 #include <numbers>
 #include <span>
 #include <string>
@@ -101,6 +103,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
   static constexpr double kPeakTime_s = 0.3;
   static constexpr double kMaxRate_hz = 768000;          // of an instrument
   static constexpr std::chrono::milliseconds kLook{20};  // at the file
+  static constexpr std::chrono::milliseconds kLongestSleep{1000};
 
   // What a host has set, on any thread.
   struct HostValue {
@@ -290,22 +293,24 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     }
   }
 
+  // Without the lock, for the audio thread: what the thread misses it finds within kLongestSleep.
   void wake_thread() {
     ++wakes_;
-    wakes_.notify_one();
+    woken_.notify_one();
   }
   void end_thread() {
-    is_active_ = false;
-    wake_thread();
+    {
+      const std::scoped_lock lock(mutex_);
+      is_active_ = false;
+    }
+    woken_.notify_one();
     if (thread_.joinable()) thread_.join();
   }
   void renew_while_active() {
     for (int seen = wakes_; is_active_; seen = wakes_) {
       attempt([this] { renew(); });
-      if (file_.is_there())
-        std::this_thread::sleep_for(kLook);
-      else
-        wakes_.wait(seen);
+      std::unique_lock lock(mutex_);
+      woken_.wait_for(lock, file_.is_there() ? kLook : kLongestSleep, [&] { return !is_active_ || wakes_ != seen; });
     }
   }
   void deactivate() override { end_thread(); }
@@ -414,7 +419,10 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
   int made_oversampling_ = 1;
   double made_rate_hz_ = 0;
   std::atomic<bool> is_active_ = false;
-  std::atomic<int> wakes_ = 0;   // of the thread, where no file is watched
+  std::atomic<int> wakes_ = 0;  // of the thread
+  // Not std::atomic::wait: for Windows, libstdc++ 12 and before lose wakes of it (their bug 106183).
+  std::mutex mutex_;
+  std::condition_variable woken_;
   std::thread thread_;           // while it is active
   std::vector<double> factors_;  // unit for people over the instrument's
   std::vector<HostValue> values_;

@@ -158,9 +158,9 @@ class ClapPlugin : public HostedPlugin {
     return extension<clap_plugin_latency_t>(CLAP_EXT_LATENCY)->get(plugin_);
   }
   [[nodiscard]] std::size_t latency_changes() const override { return latency_changes_; }
-  /// As a host does that the plug-in has asked for it.
+  /// Whether the plug-in has asked for a restart since the last call.
+  [[nodiscard]] bool wants_restart() { return std::exchange(wants_restart_, false); }
   void restart(double sample_rate_hz) {
-    require(std::exchange(wants_restart_, false), "no restart is wanted");
     plugin_->stop_processing(plugin_);
     plugin_->deactivate(plugin_);
     require(plugin_->activate(plugin_, sample_rate_hz, 1, kMaxBlock) && plugin_->start_processing(plugin_),

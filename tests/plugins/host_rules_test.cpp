@@ -158,7 +158,10 @@ TEST(EveryFormat, IsOversampledWhileItSounds) {
       ASSERT_EQ(std::vector<float>(sound.end() - kBlock, sound.end()), silence);
       EXPECT_LE(largest_step(sound), 1.02f * largest_step(ringing) + 1.5f / 480 * *std::ranges::max_element(ringing));
       if (auto* const vst3 = dynamic_cast<Vst3Plugin*>(plugin.get())) vst3->tell_controller("oversampling", factor);
-      if (auto* const clap = dynamic_cast<ClapPlugin*>(plugin.get())) clap->restart(kRate);
+      if (auto* const clap = dynamic_cast<ClapPlugin*>(plugin.get())) {
+        EXPECT_TRUE(clap->wants_restart());
+        clap->restart(kRate);
+      }
       EXPECT_EQ(plugin->latency(), latency);
       EXPECT_EQ(plugin->latency_changes(), format == std::string("lv2") ? 0 : ++changes);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // record_plugin clap|vst3|lv2 FILE SOUND: a phrase of a second at 48 kHz, played by a plug-in of this system, as
-// bytes of single precision, left and right in turn.
+// bytes of single precision, left and right in turn. A CLAP is then restarted 2000 times, as hosts do between songs:
+// its thread must end at whatever moment it is told to.
 #include <cstdio>
 #include <fstream>
 
@@ -16,7 +17,7 @@ namespace {
 
 // Notes, a parameter, two controllers, a release.
 template <typename Plugin>
-void record(Plugin&& plugin, const std::filesystem::path& sound) {
+void record(Plugin& plugin, const std::filesystem::path& sound) {
   std::ofstream file(sound, std::ios::binary);
   const auto play = [&](std::size_t blocks) {
     const auto [left, right] = plugin.run(blocks);
@@ -47,12 +48,18 @@ int main(int argc, char** argv) try {
   using namespace contactspline::testing;
   if (argc != 4) return 2;
   const std::string format = argv[1];
-  if (format == "clap")
-    record(ClapPlugin(argv[2], 48000), argv[3]);
-  else if (format == "vst3")
-    record(Vst3Plugin(argv[2], 48000), argv[3]);
-  else
-    record(Lv2Binary(argv[2], 48000), argv[3]);
+  constexpr double kRate = 48000;
+  if (format == "clap") {
+    ClapPlugin plugin(argv[2], kRate);
+    record(plugin, argv[3]);
+    for (int i = 0; i < 2000; ++i) plugin.restart(kRate);
+  } else if (format == "vst3") {
+    Vst3Plugin plugin(argv[2], kRate);
+    record(plugin, argv[3]);
+  } else {
+    Lv2Binary plugin(argv[2], kRate);
+    record(plugin, argv[3]);
+  }
   return 0;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());
