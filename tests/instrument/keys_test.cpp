@@ -109,6 +109,79 @@ TEST(Voices, BlocksOfAnyLengthSoundAlike) {
   EXPECT_EQ(actual, expected);
 }
 
+// What a key has alone is what an instrument has that is set so; the other key stays as it is.
+TEST(Voices, AreMovedAlone) {
+  const InstrumentArrays arrays = arrays_of_text(zither(0, kPiano));
+  Keyed both(arrays.view()), low(arrays.view()), high(arrays.view());
+  for (Keyed* instrument : {&both, &low, &high}) instrument->prepare(kRate);
+  const auto parameters = both.parameters();
+  const auto number = [&](std::string_view name) {
+    return static_cast<std::size_t>(std::ranges::find(parameters, name, &Parameter::name) - parameters.begin());
+  };
+  const std::size_t felt = number("felt_stiffness_ratio"), speed = number("hammer_speed_m_per_s");
+  ASSERT_TRUE(both.moves_keys(felt) && both.moves_keys(speed) && !both.moves_keys(number("bend_cents")));
+  both.move_key(57, felt, 3);
+  both.move_key(57, speed, 1.5);
+  high.set(felt, 4);
+  high.set(speed, 4);
+  for (Keyed* instrument : {&both, &low}) instrument->note_on(50, 0.5);
+  for (Keyed* instrument : {&both, &high}) instrument->note_on(57, 0.5);
+  EXPECT_EQ(both.value(felt), 1);
+  EXPECT_EQ(both.value(speed), 2.5);
+  const Sound actual = played(both, 2000), of_low = played(low, 2000), of_high = played(high, 2000);
+  for (std::size_t i = 0; i < 2; ++i)
+    for (std::size_t n = 0; n < 2000; ++n) ASSERT_EQ(actual[i][n], of_low[i][n] + of_high[i][n]) << n;
+
+  // All are set: the key stays beside them, and held to the range.
+  both.set(felt, 2);
+  EXPECT_EQ(both.value(felt), 2);
+  EXPECT_EQ(both.voice(0).value(felt), 2);
+  EXPECT_EQ(both.voice(1).value(felt), 5);
+  both.set(felt, 1e9);
+  EXPECT_EQ(both.voice(1).value(felt), both.value(felt));
+  both.move_key(57, felt, std::nan(""));
+  both.move_key(20, felt, 1);
+}
+
+// A gain and a place of a key: nothing else changes, and a change while it sounds takes about 5 ms, whatever the
+// blocks.
+TEST(Voices, AreMixedAlone) {
+  const auto stereo = [](std::string text) {
+    const std::string name = R"("name": "end")", struck = R"("name": "struck", "velocity)";
+    text.replace(text.find(name), name.size(), R"("name": "left_end")");
+    text.replace(text.find(struck), struck.size(), R"("name": "right_struck", "velocity)");
+    return text;
+  };
+  const InstrumentArrays arrays = arrays_of_text(stereo(zither(0, kPiano)));
+  Keyed plain(arrays.view()), mixed(arrays.view()), in_parts(arrays.view());
+  for (Keyed* instrument : {&plain, &mixed, &in_parts}) {
+    instrument->prepare(kRate);
+    instrument->note_on(60, 0.8);
+  }
+  mixed.level_key(60, 0.5);
+  mixed.pan_key(60, 1);
+  const Sound as_played = played(plain, 1000), at_once = played(mixed, 1000);
+  (void)played(in_parts, 1000);
+  for (std::size_t n = 0; n < 1000; ++n) {
+    ASSERT_EQ(at_once[0][n], 0);
+    ASSERT_EQ(at_once[1][n], 0.5 * as_played[1][n]);
+  }
+  for (Keyed* instrument : {&mixed, &in_parts}) {
+    instrument->level_key(60, 1);
+    instrument->pan_key(60, instrument == &mixed ? 0 : -1);
+  }
+  const Sound expected = played(plain, 2000), returns = played(mixed, 2000);
+  for (std::size_t n = 0, done = 0, length = 1; done < 2000; done += length, length = n++ % 90 + 1) {
+    length = std::min<std::size_t>(length, 2000 - done);
+    const Sound part = played(in_parts, length);
+    for (std::size_t k = 0; k < length; ++k) {
+      const double rest = std::exp(-static_cast<double>(done + k + 1) / (0.005 * kRate)), bound = 2e-6 + 1e-9;
+      ASSERT_NEAR(part[1][k], rest * expected[1][done + k], bound * std::abs(expected[1][done + k])) << done;
+      ASSERT_NEAR(returns[0][done + k], (1 - rest) * expected[0][done + k], bound * std::abs(expected[0][done + k]));
+    }
+  }
+}
+
 // The voice of a key that is struck again is its own; a new key takes the voice that was released first.
 TEST(Voices, AreTakenInOrder) {
   const InstrumentArrays arrays = arrays_of_text(zither(0, kPiano));

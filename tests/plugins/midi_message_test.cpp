@@ -77,7 +77,7 @@ TEST(MidiStream, KeepsWhatIsWhole) {
 class Witness final : public AnyInstrument<float> {
  public:
   explicit Witness(bool bends, double hardness = 1, double step = 0)
-      : bends_(bends), step_(step), values_{0, 0, 0, 0, hardness} {}
+      : bends_(bends), step_(step), values_{0, 0, 0, 0, hardness, 0.5} {}
 
   [[nodiscard]] const char* name() const override { return "witness"; }
   [[nodiscard]] const char* description() const override { return ""; }
@@ -89,12 +89,15 @@ class Witness final : public AnyInstrument<float> {
   [[nodiscard]] std::optional<std::size_t> event_of(int) const override { return {}; }
   [[nodiscard]] bool has_key(int key) const override { return key >= 21 && key <= 108; }
   [[nodiscard]] bool bends_keys() const override { return bends_; }
+  [[nodiscard]] bool moves_keys(std::size_t parameter) const override { return bends_ && parameter >= 4; }
   void prepare(double) override {}
   void play(const TimedEvent& event) override {
     if (event.action == Action::kSet)
       values_.at(event.number) = step_ > 0 ? step_ * std::round(event.value / step_) : event.value;
-    happened +=
-        fmt::format("{}:{}={:.6g} ", kNames.at(static_cast<std::size_t>(event.action)), event.number, event.value);
+    const std::string parameter =
+        event.action == Action::kMoveKey ? fmt::format("/{}", kList.at(event.parameter).name) : "";
+    happened += fmt::format("{}:{}{}={:.6g} ", kNames.at(static_cast<std::size_t>(event.action)), event.number,
+                            parameter, event.value);
   }
   void process(Outputs<float>, std::span<float>) override {}
   void reset() override { happened += "rest "; }
@@ -107,16 +110,18 @@ class Witness final : public AnyInstrument<float> {
   std::string happened;
 
  private:
-  static constexpr std::array kNames = {"strike", "release", "pluck", "on", "off", "set", "bend", "damp", "place"};
-  static constexpr std::array<Parameter, 5> kList = {
+  static constexpr std::array kNames = {"strike", "release", "pluck", "on",   "off",   "set", "bend",
+                                        "damp",   "place",   "bow",   "move", "level", "pan"};
+  static constexpr std::array<Parameter, 6> kList = {
       {{"sustain", "", {0, 1}, {0, 1}, 0, Scale::kLinear, Acts::kAtOnce, 0, 64},
        {"sostenuto", "", {0, 1}, {0, 1}, 0, Scale::kLinear, Acts::kAtOnce, 0, 66},
        {"bend_cents", "cents", {-1200, 1200}, {-200, 200}, 0, Scale::kLinear, Acts::kAtOnce, 0.02},
        {"modulation", "", {0, 1}, {0, 2}, 0, Scale::kLinear, Acts::kAtOnce, 0, 1},
-       {"hardness", "", {0, 10}, {1, 3}, 1, Scale::kLinear, Acts::kAtOnce, 0, 74}}};
+       {"hardness", "", {0, 10}, {1, 3}, 1, Scale::kLinear, Acts::kAtOnce, 0, 74},
+       {"force", "", {0, 10}, {0, 4}, 0.5, Scale::kLinear, Acts::kAtOnce, 0, kPressureController}}};
   bool bends_;
   double step_;  // to which it rounds values; 0: to none
-  std::array<double, 5> values_;
+  std::array<double, 6> values_;
 };
 
 // What a stream does to an instrument that bends its keys alone, or as a whole.
@@ -146,6 +151,15 @@ class LiveMidi : public ::testing::TestWithParam<Live> {};
 TEST_P(LiveMidi, DoesWhatThePageSays) {
   EXPECT_EQ(what_happens(GetParam().stream, GetParam().bends), GetParam().happens);
 }
+
+std::string pressure(int value, int channel = 0) {
+  return bytes({0xd0 | channel, value});
+}
+std::string key_pressure(int key, int value) {
+  return bytes({0xa0, key, value});
+}
+// Channel 1 has five members.
+const std::string kZone = choose(6) + controller(6, 5);
 
 const std::string kStruck = "bend:60=0 on:60=0.708661 ", kLetGo = "off:60=0.503937 ";
 
@@ -188,22 +202,65 @@ const Live kLive[] = {
      "bend:60=0 on:60=0.708661 bend:21=-200 on:21=0.708661 off:60=0.503937 "},
     {"MpeBeside", choose(6) + controller(6, 5) + wheel(0) + wheel(8192 - 128, 1) + on(60, 90, 1),
      "bend:60=-275 on:60=0.708661 "},
+    {"PressureOfAChannel", on(60) + pressure(127), kStruck + "set:5=4 "},
+    {"PressureOfAKey", on(60) + on(64) + key_pressure(64, 127) + key_pressure(70, 127),
+     kStruck + "bend:64=0 on:64=0.708661 move:64/force=3.5 "},
+    {"PressureOfAKeyMovesAll", on(60) + key_pressure(60, 127), "on:60=0.708661 set:5=4 ", false},
+    {"NextNoteHasNoPressure", on(60) + key_pressure(60, 127) + on(60),
+     kStruck + "move:60/force=3.5 bend:60=0 move:60/hardness=0 move:60/force=0 level:60=1 pan:60=0 on:60=0.708661 "},
+    {"MpePressure", kZone + on(60, 90, 1) + on(64, 90, 2) + pressure(127, 1) + pressure(0, 2) + pressure(127),
+     kStruck + "bend:64=0 on:64=0.708661 move:60/force=3.5 move:64/force=-0.5 set:5=4 "},
+    {"MpeBrightnessBeforeItsNote",
+     kZone + controller(74, 127, 1) + on(60, 90, 1) + on(64, 90, 2) + controller(74, 0, 1),
+     "bend:60=0 move:60/hardness=2 move:60/force=0 level:60=1 pan:60=0 on:60=0.708661 bend:64=0 on:64=0.708661 "
+     "move:60/hardness=0 "},
+    {"MpeReset", kZone + on(60, 90, 1) + pressure(127, 1) + controller(121, 0, 1),
+     kStruck + "move:60/force=3.5 set:0=0 set:1=0 set:3=0 move:60/force=0 "},
     {"AllNotesOff", on(60) + controller(123, 0, 1) + controller(123, 0), kStruck + kLetGo},
     {"ModeLetsGo", on(60) + controller(126, 1), kStruck + kLetGo},
     {"AllSoundOff", on(60) + controller(120, 0), kStruck + kLetGo + "rest "},
     {"ResetOfControllers", controller(64, 127) + wheel(0) + on(60) + controller(121, 0),
-     "set:0=1 bend:60=-200 on:60=0.708661 set:0=0 set:1=0 set:3=0 bend:60=0 "},
+     "set:0=1 bend:60=-200 on:60=0.708661 set:0=0 set:1=0 set:3=0 set:5=0.5 bend:60=0 "},
     {"SystemReset", choose(0) + controller(6, 12) + bytes({0xff}) + wheel(0) + on(60),
-     "set:0=0 set:1=0 set:3=0 " +
+     "set:0=0 set:1=0 set:3=0 set:5=0.5 " +
          [] {
            std::string more;
-           for (int channel = 1; channel < 16; ++channel) more += "set:0=0 set:1=0 set:3=0 ";
+           for (int channel = 1; channel < 16; ++channel) more += "set:0=0 set:1=0 set:3=0 set:5=0.5 ";
            return more;
          }() +
-         "rest set:0=0 set:1=0 set:3=0 bend:60=-200 on:60=0.708661 "},
+         "rest set:0=0 set:1=0 set:3=0 set:5=0.5 bend:60=-200 on:60=0.708661 "},
     {"Damaged", bytes({0x90, 60, 0xf5, 64, 62}) + bytes({0x85, 60}) + bytes({0xc0, 5}), ""},
 };
 INSTANTIATE_TEST_SUITE_P(All, LiveMidi, ::testing::ValuesIn(kLive), [](const auto& live) { return live.param.test; });
+
+// A host names notes by an identity, a channel and a key, or by some of them.
+TEST(NamedNotes, AreBegunExpressedAndEndedAlone) {
+  auto witness = std::make_unique<Witness>(true);
+  Witness& seen = *witness;
+  Hosted<float> hosted(std::move(witness));
+  hosted.prepare(48000);
+  const auto happens = [&](const auto& act) {
+    seen.happened.clear();
+    act();
+    return seen.happened;
+  };
+  using E = NoteExpression;
+  EXPECT_EQ(happens([&] { hosted.begin_note({7, 0, 60}, 0.3, 10); }), "bend:60=10 on:60=0.3 ");
+  EXPECT_EQ(happens([&] { hosted.begin_note({8, 1, 64}, 1); }), "bend:64=0 on:64=1 ");
+  EXPECT_EQ(happens([&] { hosted.express({.id = 7}, E::kTuning, 0.125); }), "bend:60=10.125 ");
+  EXPECT_EQ(happens([&] { hosted.midi(span_of(wheel(0))); }), "bend:60=-189.875 ");
+  EXPECT_EQ(happens([&] { hosted.express({.channel = 1}, E::kPressure, 1); }), "move:64/force=3.5 ");
+  EXPECT_EQ(happens([&] { hosted.express({.key = 60}, E::kBrightness, 0.5); }), "move:60/hardness=1 ");
+  EXPECT_EQ(happens([&] { hosted.express({}, E::kLevel, 2); }), "level:60=2 level:64=2 ");
+  EXPECT_EQ(happens([&] { hosted.express({8, 1, 64}, E::kPan, -1); }), "pan:64=-1 ");
+  EXPECT_EQ(happens([&] { hosted.move_note({.id = 8}, 4, 0.25); }), "move:64/hardness=0.25 ");
+  EXPECT_EQ(happens([&] { hosted.express({.id = 9}, E::kTuning, 100); }), "");
+  EXPECT_EQ(happens([&] { hosted.express({.id = 7}, E::kTuning, std::nan("")); }), "");
+  EXPECT_EQ(happens([&] { hosted.begin_note({9, 16, 60}, 1), hosted.begin_note({9, 0, 128}, 1); }), "");
+  EXPECT_EQ(happens([&] { hosted.end_note({.id = 7}, 1); }), "off:60=1 ");
+  EXPECT_EQ(happens([&] { hosted.express({.id = 7}, E::kTuning, 0); }), "bend:60=-190 ") << "it still rings";
+  EXPECT_EQ(happens([&] { hosted.end_note({}, 0.5), hosted.end_note({}, 0.5); }), "off:64=0.5 ");
+}
 
 // What nobody has set is the next instrument's own, also after a rest.
 TEST(Hosted, ResetsOnlyWhatWasSet) {

@@ -39,6 +39,8 @@ class AnyInstrument {
   [[nodiscard]] virtual std::optional<std::size_t> event_of(int key) const = 0;
   [[nodiscard]] virtual bool has_key(int key) const = 0;
   [[nodiscard]] virtual bool bends_keys() const = 0;  ///< does Action::kBendKey bend a key alone?
+  /// Does Action::kMoveKey move this parameter of a key alone?
+  [[nodiscard]] virtual bool moves_keys(std::size_t parameter) const = 0;
 
   virtual void prepare(double sample_rate_hz) = 0;
   /// Does what an event says, now; its time does not count.
@@ -100,6 +102,13 @@ class InstrumentBehind final : public AnyInstrument<typename I::value_type> {
       };
   }
 
+  [[nodiscard]] bool moves_keys([[maybe_unused]] std::size_t parameter) const override {
+    if constexpr (requires { instrument_.moves_keys(parameter); })
+      return instrument_.moves_keys(parameter);
+    else
+      return false;
+  }
+
   void prepare(double sample_rate_hz) override { instrument_.prepare(sample_rate_hz); }
   void play(const TimedEvent& event) override {
     const int key = static_cast<int>(event.number);
@@ -123,7 +132,10 @@ class InstrumentBehind final : public AnyInstrument<typename I::value_type> {
       case Action::kBendKey:
       case Action::kDampKey:
       case Action::kPlaceKey:
-        return move_key(event.action, key, event.value);
+      case Action::kMoveKey:
+      case Action::kLevelKey:
+      case Action::kPanKey:
+        return change_key(event, key);
     }
   }
   void process(Outputs<T> outputs, std::span<T> force) override { instrument_.process(outputs, force); }
@@ -163,12 +175,18 @@ class InstrumentBehind final : public AnyInstrument<typename I::value_type> {
 
  private:
   // An action on a single key, of an instrument that has voices for each.
-  void move_key([[maybe_unused]] Action action, [[maybe_unused]] int key, [[maybe_unused]] double value) {
-    if constexpr (requires { instrument_.bend_key(key, value); })
-      if (action == Action::kBendKey) instrument_.bend_key(key, value);
-    if constexpr (requires { instrument_.damp_key(key, value); }) {
-      if (action == Action::kDampKey) instrument_.damp_key(key, value);
-      if (action == Action::kPlaceKey) instrument_.place_key(key, value);
+  void change_key([[maybe_unused]] const TimedEvent& event, [[maybe_unused]] int key) {
+    if constexpr (requires { instrument_.bend_key(key, event.value); })
+      if (event.action == Action::kBendKey) instrument_.bend_key(key, event.value);
+    if constexpr (requires { instrument_.damp_key(key, event.value); }) {
+      if (event.action == Action::kDampKey) instrument_.damp_key(key, event.value);
+      if (event.action == Action::kPlaceKey) instrument_.place_key(key, event.value);
+    }
+    if constexpr (requires { instrument_.move_key(key, event.parameter, event.value); })
+      if (event.action == Action::kMoveKey) instrument_.move_key(key, event.parameter, event.value);
+    if constexpr (requires { instrument_.level_key(key, event.value); }) {
+      if (event.action == Action::kLevelKey) instrument_.level_key(key, event.value);
+      if (event.action == Action::kPanKey) instrument_.pan_key(key, event.value);
     }
   }
 

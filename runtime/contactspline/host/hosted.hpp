@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bitset>
 #include <cmath>
 #include <concepts>
 #include <cstddef>
@@ -96,6 +97,21 @@ class Hosted {
     midi_.take(bytes, [this](const MidiEvent& event) { take(event); });
   }
 
+  /// Notes of a host that names them, beside MIDI: begins, ends and expresses them as MidiInterpreter says.
+  /// `move_note` moves a parameter of them alone, from where it is for all, where the instrument can.
+  void begin_note(const NoteName& name, double velocity, double cents = 0) {
+    midi_.begin(name, velocity, cents, [this](const MidiEvent& event) { take(event); });
+  }
+  void end_note(const NoteName& name, double velocity) {
+    midi_.end(name, velocity, [this](const MidiEvent& event) { take(event); });
+  }
+  void express(const NoteName& name, NoteExpression expression, double value) {
+    midi_.express(name, expression, value, [this](const MidiEvent& event) { take(event); });
+  }
+  void move_note(const NoteName& name, std::size_t parameter, double by) {
+    midi_.each(name, [&](int key) { move_key(key, parameter, by); });
+  }
+
   /// Tunes the keys by a table for the notes that begin from now on; tuning messages of MIDI go on from there.
   void tune(const KeyCents& cents) { midi_.tune(tuned(midi_settings(instrument()), cents)); }
 
@@ -139,6 +155,7 @@ class Hosted {
     switch (event.kind) {
       case Kind::kNoteOn:
         bend(key, event.cents);
+        begin_key(event);
         return sleeper_.play({0, Action::kNoteOn, key, event.value});
       case Kind::kNoteOff:
         if (event.is_last) sleeper_.play({0, Action::kNoteOff, key, event.value});
@@ -146,10 +163,10 @@ class Hosted {
       case Kind::kKeyBend:
         return bend(key, event.cents);
       case Kind::kController:
-        if (midi_pedal(event.number) == kMidiPedals.size()) move(event.number, event.value);
+        if (midi_pedal(event.number) == kMidiPedals.size()) move(event.number, event);
         return;
       case Kind::kPedal:
-        return move(event.number, event.value);
+        return move(event.number, event);
       case Kind::kChannelBend:
         if (!instrument().bends_keys()) bend(key, event.cents);
         return;
@@ -157,7 +174,11 @@ class Hosted {
       case Kind::kReset:
         return reset();
       case Kind::kPressure:
-        return event.is_first ? reset_pressure() : move(kPressureController, event.value);
+        return move(kPressureController, event);
+      case Kind::kLevel:
+      case Kind::kPan:
+        expressed_.set(key);
+        return sleeper_.play({0, event.kind == Kind::kPan ? Action::kPanKey : Action::kLevelKey, key, event.value});
       case Kind::kProgram:
         return load_program(static_cast<std::size_t>(event.number));
     }
@@ -172,16 +193,41 @@ class Hosted {
         set(p, loaded.values[p]);
   }
 
-  // Moves the parameters of a controller to a part of their way, 0 to 1.
-  void move(int controller, double part) {
-    for (std::size_t p = 0; p < targets_.size(); ++p)
-      if (controller != 0 && instrument().parameters()[p].controller == controller)
-        set(p, value_at(instrument().parameters()[p], part));
+  // Moves the parameters of a controller to a part of their way, or to where they were at first: for notes alone
+  // where the event is theirs and the instrument can.
+  void move(int controller, const MidiEvent& event) {
+    for (std::size_t p = 0; p < targets_.size(); ++p) {
+      const Parameter& x = instrument().parameters()[p];
+      if (controller == 0 || x.controller != controller) continue;
+      const double value = event.is_first ? x.initial : value_at(x, event.value);
+      if (!event.is_alone || !instrument().moves_keys(p))
+        set(p, value);
+      else
+        move_note({-1, event.channel, event.key}, p, event.is_first ? 0 : value - target(p));
+    }
   }
 
-  void reset_pressure() {
-    for (std::size_t p = 0; p < targets_.size(); ++p)
-      if (const Parameter& x = instrument().parameters()[p]; x.controller == kPressureController) set(p, x.initial);
+  void move_key(int key, std::size_t parameter, double by) {
+    expressed_.set(static_cast<std::size_t>(key));
+    sleeper_.play({0, Action::kMoveKey, static_cast<std::size_t>(key), by, 0, parameter});
+  }
+
+  // A note begins without what was expressed on its key before, but with what its channel of an MPE zone has.
+  void begin_key(const MidiEvent& note) {
+    const auto key = static_cast<std::size_t>(note.key);
+    const bool is_expressed = is_number(note.pressure) || is_number(note.brightness);
+    if (!expressed_[key] && !is_expressed) return;
+    for (std::size_t p = 0; p < targets_.size(); ++p) {
+      if (!instrument().moves_keys(p)) continue;
+      const Parameter& x = instrument().parameters()[p];
+      const double part = x.controller == kPressureController     ? note.pressure
+                          : x.controller == kBrightnessController ? note.brightness
+                                                                  : MidiChannel::kUnsent;
+      move_key(note.key, p, is_number(part) ? value_at(x, part) - target(p) : 0);
+    }
+    sleeper_.play({0, Action::kLevelKey, key, 1});
+    sleeper_.play({0, Action::kPanKey, key, 0});
+    expressed_.set(key, is_expressed);
   }
 
   // Where keys are not bent alone, what MIDI bends last moves the parameter.
@@ -228,10 +274,11 @@ class Hosted {
 
   Sleeper<T> sleeper_;
   MidiInterpreter midi_;
-  double bend_cents_ = 0;            // by MIDI, of an instrument that bends as a whole
-  std::vector<double> targets_;      // of the parameters; not a number: it was never set
-  std::vector<double> now_, rates_;  // where their glides are, and by which part these advance in a sample
-  std::vector<bool> buttons_;        // that are down
+  std::bitset<kMidiKeys> expressed_;  // keys that differ from the others by more than their bend
+  double bend_cents_ = 0;             // by MIDI, of an instrument that bends as a whole
+  std::vector<double> targets_;       // of the parameters; not a number: it was never set
+  std::vector<double> now_, rates_;   // where their glides are, and by which part these advance in a sample
+  std::vector<bool> buttons_;         // that are down
   std::vector<std::span<T>> outputs_;
   std::vector<std::array<T, kBlock>> scratch_;
   bool is_gliding_ = false;

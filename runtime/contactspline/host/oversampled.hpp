@@ -46,6 +46,7 @@ class Oversampled final : public AnyInstrument<T> {
   [[nodiscard]] std::optional<std::size_t> event_of(int key) const override { return instrument_->event_of(key); }
   [[nodiscard]] bool has_key(int key) const override { return instrument_->has_key(key); }
   [[nodiscard]] bool bends_keys() const override { return instrument_->bends_keys(); }
+  [[nodiscard]] bool moves_keys(std::size_t parameter) const override { return instrument_->moves_keys(parameter); }
 
   void prepare(double sample_rate_hz) override {
     instrument_->prepare(sample_rate_hz * static_cast<double>(factor_));

@@ -71,6 +71,7 @@ class Replaceable final : public AnyInstrument<T> {
   [[nodiscard]] std::optional<std::size_t> event_of(int key) const override { return first().event_of(key); }
   [[nodiscard]] bool has_key(int key) const override { return first().has_key(key); }
   [[nodiscard]] bool bends_keys() const override { return first().bends_keys(); }
+  [[nodiscard]] bool moves_keys(std::size_t parameter) const override { return first().moves_keys(parameter); }
 
   /// Not on the audio thread. What is offered takes its place without a fade.
   void prepare(double sample_rate_hz) override {
@@ -161,6 +162,9 @@ class Replaceable final : public AnyInstrument<T> {
       if (event.action == Action::kSet) {
         if (event.number >= parameters.size() || parameters[event.number] == kNone) return {};
         event.number = parameters[event.number];
+      } else if (event.action == Action::kMoveKey) {
+        if (event.parameter >= parameters.size() || parameters[event.parameter] == kNone) return {};
+        event.parameter = parameters[event.parameter];
       } else if (event.action == Action::kStrike || event.action == Action::kRelease ||
                  event.action == Action::kPluck) {
         const EventKind kind = event.action == Action::kPluck ? EventKind::kPluck : EventKind::kStrike;

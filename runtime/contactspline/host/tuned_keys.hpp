@@ -66,7 +66,8 @@ class TunedKeys {
 
   static bool is_of_key(Action action) {
     return action == Action::kNoteOn || action == Action::kNoteOff || action == Action::kBendKey ||
-           action == Action::kDampKey || action == Action::kPlaceKey;
+           action == Action::kDampKey || action == Action::kPlaceKey || action == Action::kMoveKey ||
+           action == Action::kLevelKey || action == Action::kPanKey;
   }
   static std::size_t number_of(const Key& key, std::size_t otherwise) {
     return key.tuned.key < 0 ? otherwise : static_cast<std::size_t>(key.tuned.key);

@@ -38,6 +38,7 @@ class PedaledKeyboard : public KeyboardOnBody<T>, public KeyboardParameter {
     for (std::size_t p = 0; p < kParameters; ++p) values_[p] = parameters_[p].initial;
     for (const KeyParts& key : parts_->keys) felts_.push_back(table_in<T>(key.felt));
     key_cents_.resize(parts_->keys.size());
+    key_moves_.resize(parts_->keys.size());
   }
   /// Allocates.
   PedaledKeyboard(std::shared_ptr<const KeyboardParts> parts, double sample_rate_hz)
@@ -70,7 +71,13 @@ class PedaledKeyboard : public KeyboardOnBody<T>, public KeyboardParameter {
 
   [[nodiscard]] bool has_key(int key) const { return index_of(key) < parts_->keys.size(); }
   /// velocity: 0 to 1, clamped. Keys that it lacks and velocities that are not a number do nothing.
-  void note_on(int key, double velocity) { this->strike(index_of(key), static_cast<T>(parts_->speed_of(velocity))); }
+  void note_on(int key, double velocity) {
+    const std::size_t index = index_of(key);
+    const bool is_moved = has_key(key) && key_moves_[index] != Moves{};
+    if (is_moved) set_hammers_beside(key_moves_[index]);
+    this->strike(index, static_cast<T>(parts_->speed_of(velocity)));
+    if (is_moved) set_hammers_beside({});
+  }
   /// Lowers the damper of a key, as far as the pedals allow. velocity: of the release, 0 to 1; 64/127, and 0 where
   /// none is known, take the damper's own time, 1 a quarter of it, 1/127 four times as long.
   void note_off(int key, double velocity = 0) {
@@ -86,6 +93,13 @@ class PedaledKeyboard : public KeyboardOnBody<T>, public KeyboardParameter {
   }
   void damp_key(int key, double damping_per_s) { this->damp(index_of(key), static_cast<T>(damping_per_s)); }
   void place_key(int key, double place_m) { this->strike_at(index_of(key), place_m); }
+  /// Hammer and felt of one key of MIDI, from its next strike on, beside those of all.
+  [[nodiscard]] static bool moves_keys(std::size_t parameter) {
+    return parameter == kMassRatio || parameter == kHardness || parameter == kLoss;
+  }
+  void move_key(int key, std::size_t parameter, double by) {
+    if (has_key(key) && moves_keys(parameter) && is_number(by)) key_moves_[index_of(key)][parameter] = by;
+  }
 
   using KeyboardOnBody<T>::process;
   void process(Outputs<T> outputs, std::span<T> force = {}) {
@@ -107,6 +121,7 @@ class PedaledKeyboard : public KeyboardOnBody<T>, public KeyboardParameter {
 
  private:
   static constexpr double kAnyRate_hz = 44100;
+  using Moves = std::array<double, kParameters>;  // of one key
 
   // Of a key that the keyboard lacks: a number above all keys.
   [[nodiscard]] std::size_t index_of(int key) const {
@@ -148,9 +163,17 @@ class PedaledKeyboard : public KeyboardOnBody<T>, public KeyboardParameter {
         for (std::size_t key = 0; key < this->keys(); ++key) bend_with_all(key);
         return;
       default:
-        this->set_hammers(static_cast<T>(values_[kMassRatio]),
-                          {static_cast<T>(values_[kHardness]), static_cast<T>(values_[kLoss])});
+        set_hammers_beside({});
     }
+  }
+
+  // How far the hammers of the next strikes are from those of all.
+  void set_hammers_beside(const Moves& moves) {
+    const auto moved = [&](std::size_t parameter) {
+      const double value = values_[parameter];
+      return static_cast<T>(held(value, value + moves[parameter], parameters_[parameter].allowed));
+    };
+    this->set_hammers(moved(kMassRatio), {moved(kHardness), moved(kLoss)});
   }
 
   std::shared_ptr<const KeyboardParts> parts_;
@@ -158,6 +181,7 @@ class PedaledKeyboard : public KeyboardOnBody<T>, public KeyboardParameter {
   std::array<double, kParameters> values_{};
   std::vector<std::vector<Segment<T>>> felts_;
   std::vector<double> key_cents_;  // beside the bend of all
+  std::vector<Moves> key_moves_;   // beside the values of all
 };
 
 namespace detail {

@@ -7,11 +7,14 @@
 #include <algorithm>
 #include <array>
 #include <bitset>
+#include <cmath>
 #include <cstddef>
 #include <deque>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "contactspline/data/instrument_data.hpp"
@@ -47,7 +50,13 @@ class Voices {
   explicit Voices(const Args&... args) {
     voices_.emplace_back(args...);
     while (voices_.size() < first().keyed().voices) voices_.emplace_back(args...);
-    for (Voice& voice : voices_) voice.tuners.resize(first().keyed().ranges.size(), kPlayers);
+    for (std::size_t p = 0; p < parameters().size(); ++p) values_.push_back(first().value(p));
+    key_moves_.resize(kKeys * values_.size());
+    rates_.resize(values_.size());
+    for (Voice& voice : voices_) {
+      voice.tuners.resize(first().keyed().ranges.size(), kPlayers);
+      voice.moved.resize(values_.size());
+    }
     last_.resize(first().outputs().size());
     unmixed_.resize(last_.size(), std::vector<T>(kBlock));
     parts_.resize(last_.size());
@@ -67,18 +76,23 @@ class Voices {
   /// Brings all voices to rest at a sample rate; allocates. All below is safe on an audio thread.
   void prepare(double sample_rate_hz) {
     for (Voice& voice : voices_) voice.instrument.prepare(sample_rate_hz);
+    for (std::size_t p = 0; p < rates_.size(); ++p)
+      rates_[p] = part_of_glide(parameters()[p].glide_s, kMoveStep / sample_rate_hz);
+    mix_rate_ = part_of_glide(kMixGlide_s, 1 / sample_rate_hz);
     reset();
   }
 
-  /// Sets a parameter of all voices.
+  /// Sets a parameter of all voices; those of keys that are moved alone stay beside it.
   void set(std::size_t parameter, double value) {
     for (Voice& voice : voices_) {
-      const double before = voice.instrument.value(parameter);
+      const double before = voice.instrument.value(parameter), moved = voice.moved[parameter];
       voice.instrument.set(parameter, value);
+      if (&voice == &voices_.front()) values_[parameter] = voice.instrument.value(parameter);
+      if (moved != 0) voice.instrument.set(parameter, values_[parameter] + moved);
       if (voice.instrument.value(parameter) != before) voice.wake();
     }
   }
-  [[nodiscard]] double value(std::size_t parameter) const { return first().value(parameter); }
+  [[nodiscard]] double value(std::size_t parameter) const { return values_[parameter]; }
 
   /// velocity: 0 to 1, clamped; multiplies the parameter of the event. Keys that it lacks and velocities that are not
   /// a number do nothing.
@@ -86,9 +100,12 @@ class Voices {
     const KeyRange* range = range_of(key);
     if (range == nullptr || !is_number(velocity)) return;
     const Event& event = events()[range->event];
-    const double played = std::clamp(velocity, 0.0, 1.0) * value(event.parameter);
-    if (event.kind == EventKind::kBow && !(played > 0)) return;  // which would lift the bow
+    const double part = std::clamp(velocity, 0.0, 1.0);
+    // Which would lift the bow.
+    if (event.kind == EventKind::kBow && !(part * moved_value(event.parameter, static_cast<std::size_t>(key)) > 0))
+      return;
     Voice& voice = take(static_cast<std::size_t>(key));
+    const double played = part * voice.instrument.value(event.parameter);
     tune(voice, *range, key);
     play_event(voice.instrument, event, played);
   }
@@ -106,6 +123,31 @@ class Voices {
     key_cents_[static_cast<std::size_t>(key)] = cents;
     for (Voice& voice : voices_)
       if (voice.tuners[number_of(*range)] == static_cast<std::size_t>(key)) tune(voice, *range, key);
+  }
+  /// Parameters that the voice of a key can have alone: all but those of the performance.
+  [[nodiscard]] bool moves_keys(std::size_t parameter) const {
+    return parameter < values_.size() && parameter != keyed().bend && parameter != keyed().sustain;
+  }
+  /// How far above the value of all a key has a parameter, until it is moved anew. What sounds follows as fast as the
+  /// parameter glides.
+  void move_key(int key, std::size_t parameter, double by) {
+    if (range_of(key) == nullptr || !moves_keys(parameter) || !is_number(by)) return;
+    if (by == std::exchange(key_moves_[static_cast<std::size_t>(key) * values_.size() + parameter], by)) return;
+    are_moved_ = true;
+    for (Voice& voice : voices_)
+      if (voice.player == static_cast<std::size_t>(key)) follow_moves(voice, true);
+  }
+  /// Gain of what a key plays, 0 to 4, and its place, -1 (left) to 1 (right), by outputs whose names begin with left_
+  /// and right_; clamped.
+  void level_key(int key, double gain) {
+    if (range_of(key) == nullptr || !is_number(gain)) return;
+    key_mixes_[static_cast<std::size_t>(key)].level = std::clamp(gain, 0.0, 4.0);
+    mix(static_cast<std::size_t>(key));
+  }
+  void pan_key(int key, double place) {
+    if (range_of(key) == nullptr || !is_number(place)) return;
+    key_mixes_[static_cast<std::size_t>(key)].pan = std::clamp(place, -1.0, 1.0);
+    mix(static_cast<std::size_t>(key));
   }
   /// The event that a key plays, if it plays one.
   [[nodiscard]] std::optional<std::size_t> event_of(int key) const {
@@ -138,7 +180,7 @@ class Voices {
     std::ranges::fill(force, T(0));
     for (Voice& voice : voices_)
       for (std::size_t done = 0; done < length && !voice.is_asleep;) {
-        const std::size_t samples = (std::min)({length - done, kBlock, voice.until_look});
+        const std::size_t samples = (std::min)({length - done, kBlock, voice.until_look, until_move(voice)});
         add(voice, outputs, force, done, samples);
         voice.advance(samples);
         done += samples;
@@ -167,9 +209,12 @@ class Voices {
     for (Voice& voice : voices_) {
       voice.instrument.tune(0, kAllStrings);
       std::ranges::fill(voice.tuners, kPlayers);
+      voice.player = kPlayers;
+      follow_moves(voice, false);
+      voice.gains = voice.wanted = {};
+      voice.has_sounded = false;
       voice.instrument.reset();
       voice.players.reset();
-      voice.player = kPlayers;
       voice.order = 0;
       voice.wake();
       voice.is_asleep = voice.instrument.is_silent(kSilent_j);
@@ -201,9 +246,20 @@ class Voices {
   [[nodiscard]] const I& voice(std::size_t index) const { return voices_[index].instrument; }
 
  private:
-  static constexpr std::size_t kBlock = 256, kLook = 1024;  // samples
+  static constexpr std::size_t kBlock = 256, kLook = 1024, kMoveStep = 16;  // samples
+  static constexpr double kMixGlide_s = 0.005;
   static constexpr double kSilent_j = 1e-14;
   static constexpr std::size_t kKeys = 128, kPlayers = 1024;  // what plays a voice: a key, or an event without a key
+
+  // Of one key.
+  struct Mix {
+    double level = 1, pan = 0;
+  };
+  // Of the outputs of a voice.
+  struct Gains {
+    double left = 1, right = 1, other = 1;
+    bool operator==(const Gains&) const = default;
+  };
 
   struct Voice {
     template <typename... Args>
@@ -216,6 +272,7 @@ class Voices {
     // Looks after a while whether it is silent.
     void advance(std::size_t samples) {
       until_look -= samples;
+      until_move -= (std::min)(until_move, samples);
       if (until_look > 0) return;
       until_look = kLook;
       is_asleep = instrument.is_silent(kSilent_j);
@@ -227,7 +284,11 @@ class Voices {
     std::vector<std::size_t> tuners;  // for each range the key that has tuned its string last, or kPlayers
     std::size_t order = 0;            // of its last note or release
     std::size_t until_look = kLook;
-    bool is_asleep = false;
+    std::vector<double> moved;   // how far its parameters are from those of all
+    std::size_t until_move = 0;  // samples until they move again
+    Gains gains, wanted;
+    bool has_sounded = false;  // since it was taken at rest
+    bool is_moving = false, is_asleep = false;
   };
 
   template <typename Of>
@@ -271,6 +332,68 @@ class Voices {
     voice.instrument.tune(cents, string);
   }
 
+  // The part of a glide that passes in a time; without a glide all of it.
+  static double part_of_glide(double glide_s, double time_s) {
+    return glide_s > 0 ? -std::expm1(-time_s / glide_s) : 1;
+  }
+
+  // How far the player of a voice wants a parameter to be from that of all.
+  [[nodiscard]] double wanted_move(std::size_t player, std::size_t parameter) const {
+    return player < kKeys ? key_moves_[player * values_.size() + parameter] : 0;
+  }
+  [[nodiscard]] double moved_value(std::size_t parameter, std::size_t player) const {
+    return held(values_[parameter], values_[parameter] + wanted_move(player, parameter),
+                parameters()[parameter].allowed);
+  }
+  void move(Voice& voice, std::size_t parameter, double by) {
+    voice.moved[parameter] = by;
+    voice.instrument.set(parameter, values_[parameter] + by);
+  }
+
+  // Sends the parameters of a voice to where its player wants them; where nothing sounds, at once.
+  void follow_moves(Voice& voice, bool glides) {
+    if (!are_moved_) return;
+    for (std::size_t p = 0; p < values_.size(); ++p) {
+      const double wanted = wanted_move(voice.player, p);
+      if (wanted == voice.moved[p]) continue;
+      if (glides && voice.has_sounded && rates_[p] < 1 && parameters()[p].acts == Acts::kAtOnce)
+        voice.is_moving = true;
+      else
+        move(voice, p, wanted);
+      voice.wake();
+    }
+  }
+
+  // Moves the parameters of a voice by a step, if it is time; samples until the next step.
+  std::size_t until_move(Voice& voice) {
+    if (!voice.is_moving) return kBlock;
+    if (voice.until_move > 0) return voice.until_move;
+    voice.is_moving = false;
+    for (std::size_t p = 0; p < values_.size(); ++p) {
+      const double wanted = wanted_move(voice.player, p), now = voice.moved[p];
+      if (wanted == now) continue;
+      const double next = now + rates_[p] * (wanted - now);
+      // What the instrument's precision no longer shows ends the glide.
+      const bool arrives = static_cast<T>(values_[p] + next) == static_cast<T>(values_[p] + now);
+      move(voice, p, arrives ? wanted : next);
+      voice.is_moving |= !arrives;
+    }
+    return voice.until_move = kMoveStep;
+  }
+
+  // The gains that the player of a voice wants; a balance.
+  [[nodiscard]] Gains gains_of(std::size_t player) const {
+    const Mix mix = player < kKeys ? key_mixes_[player] : Mix{};
+    return {mix.level * (std::min)(1.0, 1 - mix.pan), mix.level * (std::min)(1.0, 1 + mix.pan), mix.level};
+  }
+  void mix(std::size_t player) {
+    for (Voice& voice : voices_) {
+      if (voice.player != player) continue;
+      voice.wanted = gains_of(player);
+      if (!voice.has_sounded) voice.gains = voice.wanted;
+    }
+  }
+
   [[nodiscard]] std::size_t player_of(EventKind kind, std::size_t number) const {
     for (std::size_t e = 0; e < events().size(); ++e)
       if (events()[e].kind == kind && events()[e].number == number) return (std::min)(kKeys + e, kPlayers);
@@ -288,6 +411,9 @@ class Voices {
     found->players.set(player);
     found->player = player;
     found->order = orders_[player] = ++order_;
+    found->has_sounded &= !found->is_asleep;
+    follow_moves(*found, true);
+    mix(player);
     found->wake();
     return *found;
   }
@@ -345,12 +471,51 @@ class Voices {
       parts_[o] = outputs[o].empty() ? std::span<T>() : std::span(unmixed_[o]).first(samples);
     const auto forces = std::span(unmixed_force_).first(samples);
     voice.instrument.process(std::span(parts_).first(outputs.size()), forces);
-    for (std::size_t o = 0; o < outputs.size(); ++o)
-      for (std::size_t n = 0; n < parts_[o].size(); ++n) outputs[o][begin + n] += parts_[o][n];
+    for (std::size_t o = 0; o < outputs.size(); ++o) {
+      const std::span<T> sum = outputs[o].empty() ? std::span<T>() : outputs[o].subspan(begin, samples);
+      if (voice.gains == voice.wanted && voice.gains == Gains{})
+        for (std::size_t n = 0; n < sum.size(); ++n) sum[n] += parts_[o][n];
+      else
+        add_by(gain_of(o), voice, sum, parts_[o]);
+    }
+    voice.gains = after(voice, samples);
+    voice.has_sounded = true;
     for (std::size_t n = 0; n < (force.empty() ? 0 : samples); ++n) force[begin + n] += forces[n];
   }
 
-  std::deque<Voice> voices_;                    // which do not move
+  // Which of the gains is that of an output.
+  [[nodiscard]] double Gains::*gain_of(std::size_t output) const {
+    const std::string_view name = this->outputs()[output].name;
+    return name.starts_with("left_") ? &Gains::left : name.starts_with("right_") ? &Gains::right : &Gains::other;
+  }
+
+  void add_by(double Gains::*gain, const Voice& voice, std::span<T> sum, std::span<const T> part) const {
+    double now = voice.gains.*gain;
+    for (std::size_t n = 0; n < sum.size(); ++n) {
+      now += mix_rate_ * (voice.wanted.*gain - now);
+      sum[n] += static_cast<T>(now) * part[n];
+    }
+  }
+
+  // The gains of a voice so many samples later.
+  [[nodiscard]] Gains after(const Voice& voice, std::size_t samples) const {
+    if (voice.gains == voice.wanted) return voice.wanted;
+    constexpr double kArrived = 1e-6;
+    const double rest = std::pow(1 - mix_rate_, static_cast<double>(samples));
+    Gains gains;
+    for (double Gains::*gain : {&Gains::left, &Gains::right, &Gains::other}) {
+      const double wanted = voice.wanted.*gain, far = rest * (voice.gains.*gain - wanted);
+      gains.*gain = std::abs(far) < kArrived ? wanted : wanted + far;
+    }
+    return gains;
+  }
+
+  std::deque<Voice> voices_;            // which do not move
+  std::vector<double> values_, rates_;  // of the parameters: of all voices; the part of a glide in a step
+  std::vector<double> key_moves_;       // of each key the parameters, from values_
+  std::array<Mix, kKeys> key_mixes_{};
+  double mix_rate_ = 1;
+  bool are_moved_ = false;                      // has a key ever been moved?
   std::array<double, kKeys> key_cents_{};       // of single keys
   std::array<std::size_t, kPlayers> orders_{};  // of the last note of each player
   std::size_t order_ = 0;

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "contactspline/midi/key_tuning.hpp"
@@ -29,8 +30,11 @@ struct MidiChannel {
   int chosen = kNone;
   bool is_registered = false;  ///< is `chosen` a registered parameter?
   int velocity_low = 0;
-  std::array<int, kMidiPedals.size()> pedals{};  ///< their values
-  double told_cents = 0;                         ///< the bend that was told last
+  std::array<int, kMidiPedals.size()> pedals{};     ///< their values
+  double told_cents = 0;                            ///< the bend that was told last
+  double pressure = kUnsent, brightness = kUnsent;  ///< 0 to 1, as sent last
+
+  static constexpr double kUnsent = std::numeric_limits<double>::quiet_NaN();
 
   /// The bend by the wheel and the tuning of the channel.
   [[nodiscard]] double cents() const {

@@ -26,11 +26,13 @@ struct MidiEvent {
     kNoteOff,      ///< note, channel, key, value: release velocity, 0 to 1, is_last
     kKeyBend,      ///< channel, key, cents: of a key that the channel has played last
     kChannelBend,  ///< channel, cents: of all its keys, beside their own tuning
-    kPressure,     ///< channel, key or -1 for all of the channel, value: 0 to 1, is_first
-    kController,   ///< channel, number, value: 0 to 1
+    kPressure,     ///< channel, key of MIDI or -1 for all of the channel, value: 0 to 1, is_first, is_alone
+    kController,   ///< channel, number, value: 0 to 1, is_alone
     kPedal,    ///< number: of kMidiPedals; value: 0 up to 1 down, of the channel that presses it farthest; also where
                ///< it stays there
     kProgram,  ///< channel, number
+    kLevel,
+    kPan,       ///< key, which the note plays; value: a gain; -1, left, to 1, right
     kSoundOff,  ///< channel
     kReset      ///< of the system: of all channels
   };
@@ -45,7 +47,19 @@ struct MidiEvent {
   std::size_t note = 0;   ///< identity: how many notes began before it
   bool is_last = true;    ///< of a note off: does no other note hold the key?
   bool is_first = false;  ///< of a pressure: as if none had been sent
+  bool is_alone = false;  ///< is it of what its channel plays, and of nothing else?
+  /// Of a note on: those of its channel in an MPE zone, 0 to 1; not a number where none was sent.
+  double pressure = MidiChannel::kUnsent, brightness = MidiChannel::kUnsent;
 };
+
+/// How a host that names notes says which ones it means: those that have all of these; -1 stands for any.
+struct NoteName {
+  int id = -1, channel = -1, key = -1;
+};
+
+/// What such a host can do to a note: tune it [cents above its key], press it, 0 to 1, make it brighter, 0 to 1, and
+/// mix it by a gain, 0 to 4, and a place, -1 (left) to 1 (right).
+enum class NoteExpression { kTuning, kPressure, kBrightness, kLevel, kPan };
 
 /// Follows channels, tunings, MPE zones and held notes. What each message does is listed in midi_meaning.hpp. A note
 /// off ends the note of its key and channel that began first. Nothing allocates; any bytes are safe.
@@ -62,6 +76,60 @@ class MidiInterpreter {
       parser_.take(
           byte, [&](const MidiMessage& message) { this->message(message, sink); },
           [&](std::span<const std::uint8_t> exclusive) { this->exclusive(exclusive, sink); }, [&] { reset(sink); });
+  }
+
+  /// Begins a note of a host that names it. velocity: above 0 to 1; cents above its key. What is not of MIDI's range
+  /// does nothing.
+  template <typename Sink>
+  void begin(const NoteName& name, double velocity, double cents, Sink&& sink) {
+    const bool is_of_midi =
+        name.key >= 0 && name.key < int(kMidiKeys) && name.channel >= 0 && name.channel < kChannels;
+    if (!is_of_midi || !(velocity >= 0) || !is_number(cents)) return;
+    start(name, (std::min)(velocity, 1.0), cents, sink);
+  }
+  /// Ends the notes of a name that are held. velocity: 0 to 1.
+  template <typename Sink>
+  void end(const NoteName& name, double velocity, Sink&& sink) {
+    for (std::size_t n = 0; n < held_count_;)
+      if (has(name, held_[n].id, held_[n].channel, held_[n].key))
+        end(n, 127 * velocity, sink);
+      else
+        ++n;
+  }
+  /// Expresses the notes of a name, also while they ring after their end.
+  template <typename Sink>
+  void express(const NoteName& name, NoteExpression expression, double value, Sink&& sink) {
+    if (!is_number(value)) return;
+    each(name, [&](int key) {
+      Sounding& note = sounding_[static_cast<std::size_t>(key)];
+      switch (expression) {
+        case NoteExpression::kTuning:
+          note.bent_cents = value;
+          return tell_key(key, sink);
+        case NoteExpression::kLevel:
+        case NoteExpression::kPan:
+          return sink(MidiEvent{.kind = expression == NoteExpression::kPan ? Kind::kPan : Kind::kLevel,
+                                .channel = note.channel,
+                                .key = key,
+                                .value = value});
+        case NoteExpression::kPressure:
+        case NoteExpression::kBrightness:
+          const bool is_pressure = expression == NoteExpression::kPressure;
+          return sink(MidiEvent{.kind = is_pressure ? Kind::kPressure : Kind::kController,
+                                .channel = note.channel,
+                                .key = note.key,
+                                .number = is_pressure ? 0 : kBrightnessController,
+                                .value = std::clamp(value, 0.0, 1.0),
+                                .is_alone = true});
+      }
+    });
+  }
+  /// Calls visit(key) for each key of the instrument that plays a note of a name, or has played it last.
+  template <typename Visitor>
+  void each(const NoteName& name, Visitor&& visit) const {
+    for (std::size_t key = 0; key < kMidiKeys; ++key)
+      if (const Sounding& note = sounding_[key]; note.channel >= 0 && has(name, note.id, note.channel, note.key))
+        visit(static_cast<int>(key));
   }
 
   /// Tunes the keys by a table, or anew, for the notes that begin from now on.
@@ -96,12 +164,13 @@ class MidiInterpreter {
 
   struct Held {
     std::size_t note;
-    int channel, key, played;  // the key of MIDI, and that which it plays
+    int id, channel, key, played;  // the key of MIDI, and that which it plays
   };
   // What a key of the instrument plays.
   struct Sounding {
-    int channel = -1;
-    double own_cents = 0;  // beside the bend of the channel
+    int id = -1, channel = -1, key = -1;  // of the note
+    double own_cents = 0;                 // beside the bend of the channel
+    double bent_cents = 0;                // of that: by the host that names the note
   };
 
   [[nodiscard]] MidiChannel& at(int channel) { return channels_[static_cast<std::size_t>(channel)]; }
@@ -121,13 +190,18 @@ class MidiInterpreter {
       case 0x90:
         return second == 0 ? note_off(channel, first, kHalf, sink) : note_on(channel, first, second, sink);
       case 0xa0:
-        return sink(MidiEvent{.kind = Kind::kPressure, .channel = channel, .key = first, .value = second / 127.0});
+        return sink(MidiEvent{
+            .kind = Kind::kPressure, .channel = channel, .key = first, .value = second / 127.0, .is_alone = true});
       case 0xb0:
         return controller(channel, first, second, sink);
       case 0xc0:
         return sink(MidiEvent{.kind = Kind::kProgram, .channel = channel, .number = first});
       case 0xd0:
-        return sink(MidiEvent{.kind = Kind::kPressure, .channel = channel, .value = first / 127.0});
+        at(channel).pressure = first / 127.0;
+        return sink(MidiEvent{.kind = Kind::kPressure,
+                              .channel = channel,
+                              .value = first / 127.0,
+                              .is_alone = master_of(channel) >= 0});
       default:
         at(channel).wheel = second << 7 | first;
         return tell_bends(sink);
@@ -143,22 +217,38 @@ class MidiInterpreter {
     tell_bends(sink);
   }
 
-  // The key of the instrument that a note plays, and how far it is tuned.
+  static bool has(const NoteName& name, int id, int channel, int key) {
+    return (name.id < 0 || name.id == id) && (name.channel < 0 || name.channel == channel) &&
+           (name.key < 0 || name.key == key);
+  }
+
   template <typename Sink>
   void note_on(int channel, int key, int velocity, Sink& sink) {
     if (!is_number(tuning_.cents(key))) return;
-    if (held_count_ == kMaxNotes) end(0, kHalf, sink);
-    const auto [played, own] = tuned_key(key, tuning_.cents(key), cents_of(channel), settings_);
     const double value = (velocity + std::exchange(at(channel).velocity_low, 0) / 128.0) / 127.0;
-    sounding_[static_cast<std::size_t>(played)] = {channel, own};
-    held_[held_count_++] = {notes_, channel, key, played};
+    start({-1, channel, key}, (std::min)(value, 1.0), 0, sink);
+  }
+
+  // Begins a note: the key of the instrument that plays it, and how far it is tuned.
+  template <typename Sink>
+  void start(const NoteName& name, double velocity, double cents, Sink& sink) {
+    const auto& [id, channel, key] = name;
+    const double own_of_key = tuning_.cents(key) + cents;
+    if (!is_number(own_of_key)) return;
+    if (held_count_ == kMaxNotes) end(0, kHalf, sink);
+    const auto [played, own] = tuned_key(key, own_of_key, cents_of(channel), settings_);
+    sounding_[static_cast<std::size_t>(played)] = {id, channel, key, own};
+    held_[held_count_++] = {notes_, id, channel, key, played};
+    const bool is_member = master_of(channel) >= 0;
     sink(MidiEvent{.kind = Kind::kNoteOn,
                    .channel = channel,
                    .key = played,
-                   .value = (std::min)(value, 1.0),
+                   .value = velocity,
                    .cents = own + cents_of(channel),
                    .own_cents = own,
-                   .note = notes_++});
+                   .note = notes_++,
+                   .pressure = is_member ? at(channel).pressure : MidiChannel::kUnsent,
+                   .brightness = is_member ? at(channel).brightness : MidiChannel::kUnsent});
   }
 
   template <typename Sink>
@@ -168,7 +258,7 @@ class MidiInterpreter {
   }
 
   template <typename Sink>
-  void end(std::size_t number, int velocity, Sink& sink) {
+  void end(std::size_t number, double velocity, Sink& sink) {
     const Held ended = held_[number];
     std::copy(held_.begin() + static_cast<std::ptrdiff_t>(number) + 1,
               held_.begin() + static_cast<std::ptrdiff_t>(held_count_),
@@ -235,7 +325,13 @@ class MidiInterpreter {
 
   template <typename Sink>
   void tell_controller(int channel, int number, int value, Sink& sink) {
-    sink(MidiEvent{.kind = Kind::kController, .channel = channel, .number = number, .value = value / 127.0});
+    const bool is_brightness = number == kBrightnessController;
+    if (is_brightness) at(channel).brightness = value / 127.0;
+    sink(MidiEvent{.kind = Kind::kController,
+                   .channel = channel,
+                   .number = number,
+                   .value = value / 127.0,
+                   .is_alone = is_brightness && master_of(channel) >= 0});
   }
 
   [[nodiscard]] double position(std::size_t pedal) const {
@@ -302,10 +398,12 @@ class MidiInterpreter {
     of.chosen = MidiChannel::kNone;
     of.is_registered = false;
     of.velocity_low = 0;
+    of.pressure = of.brightness = MidiChannel::kUnsent;
     for (const int number : kMidiPedals) pedal(channel, number, 0, sink);
     tell_controller(channel, 1, 0, sink);
     tell_controller(channel, 11, 127, sink);
-    sink(MidiEvent{.kind = Kind::kPressure, .channel = channel, .is_first = true});
+    sink(MidiEvent{
+        .kind = Kind::kPressure, .channel = channel, .is_first = true, .is_alone = master_of(channel) >= 0});
     tell_bends(sink);
   }
 
@@ -340,8 +438,11 @@ class MidiInterpreter {
 
   template <typename Sink>
   void tell_key(int key, Sink& sink) {
-    const auto& [channel, own_cents] = sounding_[static_cast<std::size_t>(key)];
-    sink(MidiEvent{.kind = Kind::kKeyBend, .channel = channel, .key = key, .cents = own_cents + cents_of(channel)});
+    const Sounding& note = sounding_[static_cast<std::size_t>(key)];
+    sink(MidiEvent{.kind = Kind::kKeyBend,
+                   .channel = note.channel,
+                   .key = key,
+                   .cents = note.own_cents + note.bent_cents + cents_of(note.channel)});
   }
 
   MidiSettings settings_;

@@ -16,6 +16,9 @@ namespace contactspline {
 inline constexpr int kSustainPedal = 64, kSostenutoPedal = 66, kSoftPedal = 67;
 inline constexpr std::array kMidiPedals = {kSustainPedal, kSostenutoPedal, kSoftPedal};
 
+/// The controller of brightness, which MPE gives to each note.
+inline constexpr int kBrightnessController = 74;
+
 /// The place of a controller among kMidiPedals; behind the last where it is none.
 [[nodiscard]] constexpr std::size_t midi_pedal(int controller) {
   return static_cast<std::size_t>(std::ranges::find(kMidiPedals, controller) - kMidiPedals.begin());
@@ -64,7 +67,8 @@ inline constexpr auto kMidiControllers = std::to_array<MidiRow<MidiControl>>({
      "down from 64 on; value/64 of the way below"},
     {kSostenutoPedal, kSostenutoPedal, MidiControl::kSwitch, "sostenuto pedal", "down from 64 on, else up"},
     {kSoftPedal, kSoftPedal, MidiControl::kPedal, "soft pedal", "down from 64 on; value/64 of the way below"},
-    {74, 74, MidiControl::kParameter, "brightness", "moves the parameter that has it: the stiffness of felts"},
+    {kBrightnessController, kBrightnessController, MidiControl::kParameter, "brightness",
+     "moves the parameter that has it: the stiffness of felts; in an MPE zone that of the note"},
     {88, 88, MidiControl::kVelocityLow, "velocity, low byte", "adds value/128 to the velocity of the next note"},
     {96, 96, MidiControl::kIncrement, "increment",
      "registered parameter + 1 in its low byte; parameter 2: a semitone"},
@@ -107,7 +111,9 @@ inline constexpr auto kMidiOthers = std::to_array<MidiWords>({
      "64 and 0 at its own pace, 127 four times as fast, 1 four times as slow"},
     {"pitch wheel",
      "bends what its channel plays by the bend range, in an MPE zone beside that of the first channel"},
-    {"pressure of a key or channel", "moves the parameter that has it, as the force of a bow"},
+    {"pressure of a key or channel",
+     "moves the parameter that has it, as the force of a bow; of a key, or in an MPE zone, that of the note alone, "
+     "where each has a voice"},
     {"program", "loads the preset of its number, counted from 0, if there is one; pedals and bends stay"},
     {"master fine and coarse tuning", "universal, real time: tunes all"},
     {"single-note tuning",
