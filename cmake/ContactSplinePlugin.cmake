@@ -260,6 +260,8 @@ function(_contactspline_clap_source folder)
   _contactspline_replace("delete[] events;" "std::free(events);")
   _contactspline_replace("fHostExtensions.latency->changed(fHost);"
                          "if (fHostExtensions.latency != nullptr) fHostExtensions.latency->changed(fHost);")
+  _contactspline_replace("class PluginCLAP : ClapEventQueue\n{\npublic:\n"
+                         "class PluginCLAP : ClapEventQueue\n{\npublic:\n    void* instrument() { return fPlugin.getInstancePointer(); }\n")
   # Where the framework takes the address of one, it gets that of clap.cpp.
   foreach(name plugin_reset plugin_process plugin_get_extension plugin_params_get_info plugin_params_get_value
           plugin_params_value_to_text plugin_params_text_to_value plugin_params_flush plugin_state_save plugin_state_load

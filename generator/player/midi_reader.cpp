@@ -37,6 +37,10 @@ class SongRecorder {
         return;
       case Kind::kNoteOff:
         return note_off(event);
+      case Kind::kNoteStart:
+      case Kind::kLevel:
+      case Kind::kPan:
+        return;
       case Kind::kKeyBend:
         song_.far_bends += std::abs(event.cents) > max_cents_ && down_[channel_of(event)] > 0;
         return;

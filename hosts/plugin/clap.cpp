@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The CLAP side of a plug-in. What version 1.6 of the framework lacks is here: `reset`, parameters that change within
-// a block, units with the values, a version, tails; and it writes beyond an array where a host names a parameter that
-// is not there. It forgets all once one of several users in a process has left it, and
-// damages states where a host takes or gives a part of the bytes at a time.
+// a block, units with the values, a version, tails, notes with names, their expressions and modulations; and it
+// writes beyond an array where a host names a parameter that is not there. It forgets all once one of several users
+// in a process has left it, and damages states where a host takes or gives a part of the bytes at a time.
 #include <src/clap/plugin.h>
 
 #include <algorithm>
@@ -16,6 +16,7 @@
 #include <string_view>
 
 #include "contactspline/step/version.hpp"
+#include "windowed_plugin.hpp"
 
 START_NAMESPACE_DISTRHO
 static CLAP_ABI void clap_plugin_reset(const clap_plugin_t*);
@@ -53,7 +54,95 @@ START_NAMESPACE_DISTRHO
 
 namespace {
 
-// A part of a host's events, in the order of their times, for a block that begins with a sample.
+// An event as what it says it is, or null.
+template <typename Event>
+const Event* as(const clap_event_header_t& event, uint16_t type) {
+  const bool is_one = event.space_id == CLAP_CORE_EVENT_SPACE_ID && event.type == type && event.size == sizeof(Event);
+  return is_one ? reinterpret_cast<const Event*>(&event) : nullptr;
+}
+
+template <typename Event>
+contactspline::NoteName name_of(const Event& event) {
+  return {event.note_id, event.channel, event.key};
+}
+
+contactspline::WindowedPlugin& instrument_of(const clap_plugin_t* plugin) {
+  return contactspline::WindowedPlugin::of(static_cast<PluginCLAP*>(plugin->plugin_data)->instrument());
+}
+
+// Reads events of notes into a list.
+class NoteReader {
+ public:
+  NoteReader(contactspline::HostNotes& notes, uint32_t frame) : notes_(notes), frame_(frame) {}
+
+  void take(const clap_event_header_t& event) {
+    if (const auto* const on = as<clap_event_note_t>(event, CLAP_EVENT_NOTE_ON))
+      push({.kind = Kind::kBegin, .name = name_of(*on), .value = on->velocity});
+    for (const uint16_t type : {CLAP_EVENT_NOTE_OFF, CLAP_EVENT_NOTE_CHOKE})
+      if (const auto* const off = as<clap_event_note_t>(event, type))
+        push({.kind = Kind::kEnd, .name = name_of(*off), .value = off->velocity});
+    if (const auto* const expression = as<clap_event_note_expression_t>(event, CLAP_EVENT_NOTE_EXPRESSION))
+      express(*expression);
+    if (const auto* const value = as<clap_event_param_value_t>(event, CLAP_EVENT_PARAM_VALUE))
+      if (!contactspline::is_of_all(name_of(*value)))
+        push({.kind = Kind::kSet, .name = name_of(*value), .value = value->value, .parameter = value->param_id});
+    if (const auto* const moved = as<clap_event_param_mod_t>(event, CLAP_EVENT_PARAM_MOD))
+      push({.kind = Kind::kModulate, .name = name_of(*moved), .value = moved->amount, .parameter = moved->param_id});
+    if (const auto* const midi = as<clap_event_midi_t>(event, CLAP_EVENT_MIDI))
+      push({.kind = Kind::kMidi, .bytes = midi->data});
+    if (const auto* const exclusive = as<clap_event_midi_sysex_t>(event, CLAP_EVENT_MIDI_SYSEX))
+      push({.kind = Kind::kMidi, .bytes = {exclusive->buffer, exclusive->size}});
+  }
+
+ private:
+  using Kind = contactspline::HostNote::Kind;
+
+  void push(contactspline::HostNote note) {
+    note.frame = frame_;
+    notes_.push(note);
+  }
+
+  // Their ranges are those of CLAP; volume and expression both make a note louder.
+  void express(const clap_event_note_expression_t& event) {
+    using E = contactspline::NoteExpression;
+    const auto push_as = [&](E expression, double value) {
+      push({.kind = Kind::kExpress, .name = name_of(event), .value = value, .expression = expression});
+    };
+    switch (event.expression_id) {
+      case CLAP_NOTE_EXPRESSION_VOLUME:
+      case CLAP_NOTE_EXPRESSION_EXPRESSION:
+        return push_as(E::kLevel, event.value);
+      case CLAP_NOTE_EXPRESSION_PAN:
+        return push_as(E::kPan, 2 * event.value - 1);
+      case CLAP_NOTE_EXPRESSION_TUNING:
+        return push_as(E::kTuning, 100 * event.value);
+      case CLAP_NOTE_EXPRESSION_BRIGHTNESS:
+        return push_as(E::kBrightness, event.value);
+      case CLAP_NOTE_EXPRESSION_PRESSURE:
+        return push_as(E::kPressure, event.value);
+    }
+  }
+
+  contactspline::HostNotes& notes_;
+  uint32_t frame_;
+};
+
+// Tells the host that notes have ended, as it has to know to end their modulations: with their keys.
+void tell_ends(const clap_process_t& process) {
+  const clap_input_events_t* const in = process.in_events;
+  if (process.out_events == nullptr) return;
+  for (uint32_t i = 0; i < in->size(in); ++i) {
+    const clap_event_header_t* const event = in->get(in, i);
+    const auto* const off = event == nullptr ? nullptr : as<clap_event_note_t>(*event, CLAP_EVENT_NOTE_OFF);
+    if (off == nullptr || off->channel < 0 || off->key < 0) continue;
+    clap_event_note_t ended = *off;
+    ended.header.type = CLAP_EVENT_NOTE_END;
+    process.out_events->try_push(process.out_events, &ended.header);
+  }
+}
+
+// A part of a host's events, in the order of their times, for a block that begins with a sample: what the framework
+// takes, which are changes of parameters.
 class EventsWithin {
  public:
   EventsWithin(const clap_input_events_t* all, uint32_t first, uint32_t last, uint32_t begin)
@@ -62,35 +151,27 @@ class EventsWithin {
 
   [[nodiscard]] const clap_input_events_t* events() const { return &events_; }
 
-  // A parameter that is there, and a value, which the instrument moves into its range.
+  // A parameter that is there, for all notes, and a value, which the instrument moves into its range.
   static bool is_change(const clap_event_header_t& event) {
-    if (event.space_id != CLAP_CORE_EVENT_SPACE_ID || event.type != CLAP_EVENT_PARAM_VALUE) return false;
-    if (event.size != sizeof(clap_event_param_value_t)) return false;
-    const auto& change = reinterpret_cast<const clap_event_param_value_t&>(event);
-    return change.param_id < sPlugin->getParameterCount() && !sPlugin->isParameterOutput(change.param_id) &&
-           !std::isnan(change.value);
+    const auto* const change = as<clap_event_param_value_t>(event, CLAP_EVENT_PARAM_VALUE);
+    return change != nullptr && contactspline::is_of_all(name_of(*change)) &&
+           change->param_id < sPlugin->getParameterCount() && !sPlugin->isParameterOutput(change->param_id) &&
+           !std::isnan(change->value);
   }
 
  private:
   static const clap_event_header_t* get(const clap_input_events_t* list, uint32_t i) {
     auto& self = *static_cast<EventsWithin*>(list->ctx);
     const clap_event_header_t* const event = self.all_->get(self.all_, self.first_ + i);
-    const bool is_played = event != nullptr && event->space_id == CLAP_CORE_EVENT_SPACE_ID &&
-                           (event->type != CLAP_EVENT_PARAM_VALUE || is_change(*event));
-    if (!is_played || event->size > sizeof self.copy_) return &self.nothing_;
-    std::memcpy(&self.copy_, event, event->size);
-    self.copy_.header.time -= std::min(self.copy_.header.time, self.begin_);
-    return &self.copy_.header;
+    if (event == nullptr || !is_change(*event)) return &self.nothing_;
+    std::memcpy(&self.change_, event, sizeof self.change_);
+    self.change_.header.time -= std::min(self.change_.header.time, self.begin_);
+    return &self.change_.header;
   }
 
   const clap_input_events_t* all_;
   uint32_t first_, count_, begin_;
-  union {
-    clap_event_header_t header;
-    clap_event_param_value_t change;
-    clap_event_note_t note;
-    clap_event_midi_t midi;
-  } copy_ = {};  // the framework is done with one before it asks for the next
+  clap_event_param_value_t change_ = {};  // the framework is done with one before it asks for the next
   clap_event_header_t nothing_ = {sizeof nothing_, 0, CLAP_CORE_EVENT_SPACE_ID, CLAP_EVENT_NOTE_END, 0};
   clap_input_events_t events_ = {
       this, [](const clap_input_events_t* list) { return static_cast<EventsWithin*>(list->ctx)->count_; }, get};
@@ -122,13 +203,16 @@ static CLAP_ABI clap_process_status clap_plugin_process(const clap_plugin_t* plu
         end = event->time;
     }
     const EventsWithin events(in, first, last, begin);
+    for (uint32_t i = first; i < last; ++i)
+      if (const clap_event_header_t* const event = in->get(in, i))
+        NoteReader(instrument_of(plugin).notes, event->time - std::min(event->time, begin)).take(*event);
     for (uint32_t c = 0; c < DISTRHO_PLUGIN_NUM_OUTPUTS; ++c)
       channels[c] = process->audio_outputs[0].data32[c] + begin;
     part.in_events = events.events();
     part.frames_count = end - begin;
     if (process->steady_time >= 0) part.steady_time = process->steady_time + begin;
     const clap_process_status status = clap_plugin_process_of_framework(plugin, &part);
-    if (status == CLAP_PROCESS_ERROR || end == length) return status;
+    if (status == CLAP_PROCESS_ERROR || end == length) return tell_ends(*process), status;
     begin = end;
     first = last;
   }
@@ -152,7 +236,13 @@ static CLAP_ABI void clap_plugin_reset(const clap_plugin_t* const plugin) {
 
 static CLAP_ABI bool clap_plugin_params_get_info(const clap_plugin_t* plugin, uint32_t index,
                                                  clap_param_info_t* info) {
-  return is_parameter(index) && clap_plugin_params_get_info_of_framework(plugin, index, info);
+  if (!is_parameter(index) || !clap_plugin_params_get_info_of_framework(plugin, index, info)) return false;
+  if (instrument_of(plugin).is_modulated(index)) info->flags |= CLAP_PARAM_IS_MODULATABLE;
+  if (instrument_of(plugin).is_of_notes(index))
+    info->flags |= CLAP_PARAM_IS_AUTOMATABLE_PER_NOTE_ID | CLAP_PARAM_IS_AUTOMATABLE_PER_KEY |
+                   CLAP_PARAM_IS_AUTOMATABLE_PER_CHANNEL | CLAP_PARAM_IS_MODULATABLE_PER_NOTE_ID |
+                   CLAP_PARAM_IS_MODULATABLE_PER_KEY | CLAP_PARAM_IS_MODULATABLE_PER_CHANNEL;
+  return true;
 }
 
 static CLAP_ABI bool clap_plugin_params_get_value(const clap_plugin_t* plugin, clap_id id, double* value) {
@@ -180,12 +270,23 @@ static CLAP_ABI void clap_plugin_params_flush(const clap_plugin_t* plugin, const
   clap_plugin_params_flush_of_framework(plugin, events.events(), out);
 }
 
+// Notes come by name, or by MIDI, with MPE.
+static const clap_plugin_note_ports_t note_ports = {
+    [](const clap_plugin_t*, bool is_input) -> uint32_t { return is_input ? 1 : 0; },
+    [](const clap_plugin_t*, uint32_t index, bool is_input, clap_note_port_info_t* info) {
+      if (!is_input || index != 0) return false;
+      *info = {0, CLAP_NOTE_DIALECT_CLAP | CLAP_NOTE_DIALECT_MIDI | CLAP_NOTE_DIALECT_MIDI_MPE,
+               CLAP_NOTE_DIALECT_CLAP, "notes"};
+      return true;
+    }};
+
 // CLAP's "tail": instruments ring as long as they are not damped.
 static CLAP_ABI const void* clap_plugin_get_extension(const clap_plugin_t* plugin, const char* id) {
   struct Tail {
     uint32_t(CLAP_ABI* get)(const clap_plugin_t*);
   };
   static const Tail tail = {[](const clap_plugin_t*) { return UINT32_MAX; }};
+  if (std::strcmp(id, CLAP_EXT_NOTE_PORTS) == 0) return &note_ports;
   return std::strcmp(id, "clap.tail") == 0 ? &tail : clap_plugin_get_extension_of_framework(plugin, id);
 }
 

@@ -80,6 +80,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
         oversampling_index_(volume_index_ + 1 + instrument().outputs().size()),
         factors_(all_factors()),
         values_(factors_.size()),
+        modulations_(factors_.size()),
         outputs_(instrument().outputs().size()),
         unheard_(outputs_.size()),
         peaks_(outputs_.size()),
@@ -159,6 +160,10 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     table.title = DISTRHO_PLUGIN_NAME;
     table.parameters.push_back(WindowParameter::of(kVolume));
     return table;
+  }
+  bool is_modulated(std::uint32_t parameter) const override { return parameter < volume_index_; }
+  bool is_of_notes(std::uint32_t parameter) const override {
+    return is_modulated(parameter) && instrument().moves_keys(this->numbers[parameter]);
   }
   double window_value(std::size_t parameter) const override { return values_[parameter].shown; }
   double window_rate_hz() const override { return getSampleRate(); }
@@ -319,6 +324,8 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
   void activate() override {
     end_thread();
     for (HostValue& value : values_) value.is_new = true;
+    std::ranges::fill(modulations_, 0);
+    notes.clear();
     take_values();
     attempt([this] { renew(); });
     setLatency(latency());
@@ -335,12 +342,25 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     const FlushDenormals flushed;
     take_values();
     std::size_t done = 0;
-    for (const DISTRHO_NAMESPACE::MidiEvent& event : std::span(events, count)) {
-      const std::size_t time = std::clamp<std::size_t>(event.frame, done, samples);
+    const auto play_until = [&](std::uint32_t frame) {
+      const std::size_t time = std::clamp<std::size_t>(frame, done, samples);
       play(outputs, done, time);
       done = time;
+    };
+    std::span<const HostNote> rest = notes.all();
+    for (const DISTRHO_NAMESPACE::MidiEvent& event : std::span(events, count)) {
+      for (; !rest.empty() && rest.front().frame < event.frame; rest = rest.subspan(1)) {
+        play_until(rest.front().frame);
+        take(rest);
+      }
+      play_until(event.frame);
       take({event.size > DISTRHO_NAMESPACE::MidiEvent::kDataSize ? event.dataExt : event.data, event.size});
     }
+    for (; !rest.empty(); rest = rest.subspan(1)) {
+      play_until(rest.front().frame);
+      take(rest);
+    }
+    notes.clear();
     play(outputs, done, samples);
   }
 
@@ -352,8 +372,54 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
       if (p == volume_index_)
         volume_target_ = value;
       else
-        this->hosted.set(this->numbers[p], static_cast<double>(value) / factors_[p]);
+        this->hosted.set(this->numbers[p], static_cast<double>(value) / factors_[p] + modulations_[p]);
     }
+  }
+
+  // The first of some notes. What is said at the same sample of one that begins acts before it sounds.
+  void take(std::span<const HostNote> notes_of_block) {
+    using Kind = HostNote::Kind;
+    const HostNote& note = notes_of_block.front();
+    if (note.kind != Kind::kBegin) return take(note);
+    ++begun_;
+    this->hosted.begin_note(note.name, note.value, note.cents, [&] {
+      for (const HostNote& other : notes_of_block.subspan(1)) {
+        if (other.frame != note.frame) return;
+        if (other.kind >= Kind::kExpress && !is_of_all(other.name) && other.name.means(note.name)) take(other);
+      }
+    });
+  }
+
+  void take(const HostNote& note) {
+    using Kind = HostNote::Kind;
+    switch (note.kind) {
+      case Kind::kMidi:
+        return take(note.bytes);
+      case Kind::kBegin:
+        return;
+      case Kind::kEnd:
+        return this->hosted.end_note(note.name, note.value);
+      case Kind::kExpress:
+        return this->hosted.express(note.name, note.expression, note.value);
+      case Kind::kSet:
+      case Kind::kModulate:
+        return move(note);
+    }
+  }
+
+  // A parameter of single notes, or beside its value for all. What a host says of a note contains what it says of
+  // all.
+  void move(const HostNote& note) {
+    if (!is_modulated(note.parameter) || !is_number(note.value)) return;
+    const std::size_t p = note.parameter, number = this->numbers[p];
+    const double value = note.value / factors_[p];
+    if (is_of_all(note.name)) {
+      modulations_[p] = value;
+      values_[p].is_new = true;
+      return take_values();
+    }
+    const double now = note.kind == HostNote::Kind::kSet ? this->hosted.target(number) : modulations_[p];
+    this->hosted.move_note(note.name, number, value - now);
   }
 
   // One message; in CLAP each has three bytes.
@@ -361,7 +427,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     if (bytes.size() == 3 && bytes[0] >= 0x80 && bytes[0] < 0xf0) bytes = bytes.first(1 + midi_data_bytes(bytes[0]));
     if (bytes.size() == 2 && (bytes[0] & 0xf0) == 0xc0 && bytes[1] < 0x80) return take_program(bytes[1]);
     const auto message = midi_message(bytes);
-    if (message && message->status == 0x90 && message->second > 0) ++notes_;
+    if (message && message->status == 0x90 && message->second > 0) ++begun_;
     if (message && message->status == 0xb0 && message->first == kVolumeController)
       volume_target_ = static_cast<float>(message->second) / 127;
     else
@@ -394,7 +460,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     std::array<float, kBlock> in_single;
     std::transform(force.begin(), force.end(), in_single.begin(), [](auto f) { return static_cast<float>(f); });
     ring_.write({outputs_[left_], force.size()}, std::span(in_single).first(force.size()),
-                static_cast<float>(instrument().energy()), notes_);
+                static_cast<float>(instrument().energy()), begun_);
   }
 
   void measure(Peak& peak, std::span<const float> sound) {
@@ -426,13 +492,14 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
   std::thread thread_;           // while it is active
   std::vector<double> factors_;  // unit for people over the instrument's
   std::vector<HostValue> values_;
+  std::vector<double> modulations_;  // how far a host moves the values for a time, in the instrument's units
   std::vector<float*> outputs_;
   std::vector<std::array<float, kBlock>> unheard_;  // of outputs that are on neither side
   std::vector<Peak> peaks_;
   std::size_t left_, right_;
   ContactRing ring_;
   std::array<T, kBlock> forces_ = {};
-  std::uint32_t notes_ = 0;  // that have begun
+  std::uint32_t begun_ = 0;  // notes
   float volume_ = 0, volume_target_ = 0, volume_rate_ = 0;
 };
 

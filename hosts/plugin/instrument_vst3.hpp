@@ -4,6 +4,7 @@
 // - parameters that MIDI moves are these themselves, not one of 2,080 hidden ones for all controllers of all channels
 // - programs are a list of the host, logarithmic parameters are logarithmic, units stand with the values
 // - parameters change at their sample, and the sound does not end with the last note
+// - notes have names, and are tuned, pressed and mixed by them
 #pragma once
 
 #include <algorithm>
@@ -11,12 +12,15 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <utility>
 
 #include "contactspline/midi/midi_meaning.hpp"
 #include "host_values.hpp"
 #include "src/travesty/unit.h"
+#include "vst3_note_expression.h"
+#include "windowed_plugin.hpp"
 
 START_NAMESPACE_DISTRHO
 
@@ -75,41 +79,77 @@ struct ControllerPoints {
   int32_t count = 0;
 };
 
-/// The notes from a sample on and before another one, for a block that begins with the first.
-struct NotesWithin {
-  static const Table<v3_event_list>& table() {
-    static const Table<v3_event_list> kTable = {
-        {query, one, one},
-        {[](void* self) {
-           auto& notes = *static_cast<NotesWithin*>(self);
-           uint32_t count = 0;
-           v3_event event;
-           while (notes.find(count, event)) ++count;
-           return count;
-         },
-         [](void* self, int32_t i, v3_event* event) -> v3_result {
-           return static_cast<NotesWithin*>(self)->find(static_cast<uint32_t>(i), *event) ? V3_OK : V3_INVALID_ARG;
-         },
-         [](void*, v3_event*) -> v3_result { return V3_NOT_IMPLEMENTED; }}};
-    return kTable;
-  }
-
-  bool find(uint32_t number, v3_event& event) const {
-    if (all == nullptr) return false;
-    const uint32_t count = v3_cpp_obj(all)->get_event_count(all);
-    for (uint32_t i = 0; i < count; ++i) {
-      if (v3_cpp_obj(all)->get_event(all, static_cast<int32_t>(i), &event) != V3_OK) return false;
-      if (event.sample_offset < begin || event.sample_offset >= end || number-- > 0) continue;
-      event.sample_offset -= begin;
-      return true;
-    }
-    return false;
-  }
-
-  const Table<v3_event_list>* functions = &table();
-  v3_event_list** all = nullptr;
-  int32_t begin = 0, end = 0;
+/// What a host can express of single notes, by the numbers of VST3; pressure has one of our own.
+struct Expression {
+  uint32_t id;
+  const char *title, *unit;
+  double initial;  ///< part of its way, 0 to 1
+  contactspline::NoteExpression meaning;
+  double first, last;  ///< at 0 and 1, as MidiInterpreter has it
 };
+inline constexpr uint32_t kPressure = 100000;
+inline constexpr Expression kExpressions[] = {
+    {0, "volume", "", 0.25, contactspline::NoteExpression::kLevel, 0, 4},
+    {1, "pan", "", 0.5, contactspline::NoteExpression::kPan, -1, 1},
+    {2, "tuning", "semitones", 0.5, contactspline::NoteExpression::kTuning, -12000, 12000},
+    {5, "brightness", "", 0.5, contactspline::NoteExpression::kBrightness, 0, 1},
+    {kPressure, "pressure", "", 0, contactspline::NoteExpression::kPressure, 0, 1}};
+
+inline const Expression* expression(uint32_t id) {
+  const auto* const found = std::find_if(std::begin(kExpressions), std::end(kExpressions),
+                                         [id](const Expression& known) { return known.id == id; });
+  return found == std::end(kExpressions) ? nullptr : found;
+}
+
+/// A velocity that a host has made of one of MIDI is that again, which single precision had rounded.
+inline double velocity_of(float velocity) {
+  const double steps = 127.0 * velocity;
+  return std::abs(steps - std::round(steps)) < 1e-4 ? std::round(steps) / 127 : velocity;
+}
+
+/// An event of a host as the instrument takes it; where it has no meaning, nothing is pressed.
+inline contactspline::HostNote note_of(const v3_event& event) {
+  using contactspline::HostNote, contactspline::NoteExpression;
+  using Kind = HostNote::Kind;
+  switch (event.type) {
+    case V3_EVENT_NOTE_ON: {
+      const v3_event_note_on& on = event.note_on;
+      return {.kind = on.velocity > 0 ? Kind::kBegin : Kind::kEnd,
+              .frame = 0,
+              .name = {on.note_id, on.channel, on.pitch},
+              .value = velocity_of(on.velocity),
+              .cents = on.tuning};
+    }
+    case V3_EVENT_NOTE_OFF: {
+      const v3_event_note_off& off = event.note_off;
+      return {.kind = Kind::kEnd,
+              .frame = 0,
+              .name = {off.note_id, off.channel, off.pitch},
+              .value = velocity_of(off.velocity)};
+    }
+    case V3_EVENT_POLY_PRESSURE: {
+      const v3_event_poly_pressure& pressed = event.poly_pressure;
+      return {.kind = Kind::kExpress,
+              .frame = 0,
+              .name = {-1, pressed.channel, pressed.pitch},
+              .value = pressed.pressure,
+              .expression = NoteExpression::kPressure};
+    }
+    case V3_EVENT_NOTE_EXP_VALUE:
+      if (const Expression* const known = expression(event.note_exp_value.type_id))
+        return {.kind = Kind::kExpress,
+                .frame = 0,
+                .name = {.id = event.note_exp_value.note_id},
+                .value = known->first + (known->last - known->first) * event.note_exp_value.value,
+                .expression = known->meaning};
+      break;
+    case V3_EVENT_DATA:
+      return {.kind = Kind::kMidi, .frame = 0, .bytes = {event.data.bytes, event.data.size}};
+    default:
+      break;
+  }
+  return {.kind = Kind::kMidi, .frame = 0};
+}
 
 }  // namespace vst3_object
 
@@ -269,9 +309,14 @@ class InstrumentVst3 : public PluginVst3 {
       for (uint32_t i = 0; i < fParameterCount; ++i)
         fParameterValuesChangedDuringProcessing[kVst3InternalParameterBaseCount + i] =
             !fPlugin.isParameterOutputOrTrigger(i);
-    if (data->input_params == nullptr || v3_cpp_obj(data->input_params)->get_param_count(data->input_params) == 0)
-      return PluginVst3::process(data);
+    const bool has_changes =
+        data->input_params != nullptr && v3_cpp_obj(data->input_params)->get_param_count(data->input_params) > 0;
     v3_process_data part = *data;
+    part.input_events = nullptr;
+    if (!has_changes) {
+      read_notes(data->input_events, 0, (std::numeric_limits<int32_t>::max)());
+      return PluginVst3::process(&part);
+    }
     v3_audio_bus_buffers bus = data->num_output_buses > 0 ? data->outputs[0] : v3_audio_bus_buffers();
     float* channels[DISTRHO_PLUGIN_NUM_OUTPUTS] = {};
     part.outputs = data->num_output_buses > 0 ? &bus : nullptr;
@@ -280,14 +325,11 @@ class InstrumentVst3 : public PluginVst3 {
       vst3_object::ControllerPoints points;
       const int32_t end = change_parameters(data->input_params, begin, length, points);
       // What a host sends outside of the block belongs to its ends.
-      vst3_object::NotesWithin notes = {.all = data->input_events,
-                                        .begin = begin,
-                                        .end = end == length ? (std::numeric_limits<int32_t>::max)() : end};
+      read_notes(data->input_events, begin, end == length ? (std::numeric_limits<int32_t>::max)() : end);
       for (int32_t c = 0; c < bus.num_channels; ++c) channels[c] = data->outputs[0].channel_buffers_32[c] + begin;
       bus.channel_buffers_32 = channels;
       part.nframes = end - begin;
       part.input_params = reinterpret_cast<v3_param_changes**>(&points);
-      part.input_events = reinterpret_cast<v3_event_list**>(&notes);
       const v3_result result = PluginVst3::process(&part);
       if (result != V3_OK || end >= length) return result;
       begin = end;
@@ -297,6 +339,8 @@ class InstrumentVst3 : public PluginVst3 {
   /// What a host may ask the controller for and the framework does not have; null for all else.
   void* interface(const v3_tuid id) {
     if (v3_tuid_match(id, v3_unit_information_iid)) return &programs_;
+    if (v3_tuid_match(id, v3_note_expression_controller_iid)) return &expressions_;
+    if (v3_tuid_match(id, v3_note_expression_physical_iid)) return &fingers_;
     return v3_tuid_match(id, v3_midi_mapping_iid) ? &mapping_ : nullptr;
   }
 
@@ -391,6 +435,90 @@ class InstrumentVst3 : public PluginVst3 {
     const InstrumentVst3* plugin;
   };
 
+  // Passes the notes from a sample on and before another one to a block that begins with the first. What a host sends
+  // before the block belongs to its first sample.
+  void read_notes(v3_event_list** list, int32_t begin, int32_t end) {
+    contactspline::HostNotes& notes = contactspline::WindowedPlugin::of(fPlugin.getInstancePointer()).notes;
+    const uint32_t count = list == nullptr ? 0 : v3_cpp_obj(list)->get_event_count(list);
+    for (uint32_t i = 0; i < count; ++i) {
+      v3_event event;
+      if (v3_cpp_obj(list)->get_event(list, static_cast<int32_t>(i), &event) != V3_OK) break;
+      const int32_t sample = (std::max)(0, event.sample_offset);
+      if (sample < begin || sample >= end) continue;
+      contactspline::HostNote note = vst3_object::note_of(event);
+      note.frame = static_cast<uint32_t>(sample - begin);
+      notes.push(note);
+    }
+  }
+
+  // What hosts can express of notes.
+  struct Expressions {
+    using Table = vst3_object::Table<v3_note_expression_controller>;
+    static int32_t V3_API count(void*, int32_t bus, int16_t) {
+      return bus == 0 ? static_cast<int32_t>(std::size(vst3_object::kExpressions)) : 0;
+    }
+    static v3_result V3_API info(void*, int32_t bus, int16_t, int32_t number, v3_note_expression_type_info* info) {
+      if (number < 0 || number >= count(nullptr, bus, 0)) return V3_INVALID_ARG;
+      const vst3_object::Expression& known = vst3_object::kExpressions[number];
+      *info = {};
+      info->type_id = known.id;
+      info->unit_id = -1;
+      info->initial = known.initial;
+      info->max = 1;
+      info->flags = known.first < 0 ? v3_note_expression_type_info::kIsBipolar : 0;
+      strncpy_utf16(info->title, known.title, 128);
+      strncpy_utf16(info->short_title, known.title, 128);
+      strncpy_utf16(info->units, known.unit, 128);
+      return V3_OK;
+    }
+    // As people read it: of the tuning semitones.
+    static double shown(const vst3_object::Expression& known) { return known.last > 100 ? 100 : 1; }
+    static v3_result V3_API text(void*, int32_t, int16_t, uint32_t id, double part, v3_str_128 text) {
+      const vst3_object::Expression* const known = vst3_object::expression(id);
+      if (known == nullptr) return V3_INVALID_ARG;
+      char digits[32];
+      std::snprintf(digits, sizeof digits, "%.4g",
+                    (known->first + (known->last - known->first) * part) / shown(*known));
+      strncpy_utf16(text, digits, 128);
+      return V3_OK;
+    }
+    static v3_result V3_API value(void*, int32_t, int16_t, uint32_t id, const int16_t* text, double* part) {
+      const vst3_object::Expression* const known = vst3_object::expression(id);
+      if (known == nullptr) return V3_INVALID_ARG;
+      const ScopedUTF8String typed(text);
+      char* end = nullptr;
+      const double value = std::strtod(typed, &end) * shown(*known);
+      if (end == static_cast<const char*>(typed) || !std::isfinite(value)) return V3_INVALID_ARG;
+      *part = std::clamp((value - known->first) / (known->last - known->first), 0.0, 1.0);
+      return V3_OK;
+    }
+    static const Table& table() {
+      static const Table kTable = {{vst3_object::query, vst3_object::one, vst3_object::one},
+                                   {count, info, text, value}};
+      return kTable;
+    }
+    const Table* functions = &table();
+  };
+
+  // What a finger does on a controller with MPE: its way along the keys, across them, and its pressure.
+  struct Fingers {
+    using Table = vst3_object::Table<v3_note_expression_physical>;
+    static v3_result V3_API mapping(void*, int32_t bus, int16_t, v3_physical_ui_map_list* list) {
+      if (bus != 0 || list == nullptr) return V3_INVALID_ARG;
+      for (uint32_t i = 0; i < list->count; ++i) {
+        constexpr uint32_t kMeanings[] = {2, 5, vst3_object::kPressure};
+        v3_physical_ui_map& map = list->maps[i];
+        map.expression = map.movement < std::size(kMeanings) ? kMeanings[map.movement] : 0xffffffff;
+      }
+      return V3_OK;
+    }
+    static const Table& table() {
+      static const Table kTable = {{vst3_object::query, vst3_object::one, vst3_object::one}, {mapping}};
+      return kTable;
+    }
+    const Table* functions = &table();
+  };
+
   // The programs, for hosts that ask for units. All stand in the root.
   struct Programs {
     using Table = vst3_object::Table<v3_unit_information>;
@@ -445,6 +573,8 @@ class InstrumentVst3 : public PluginVst3 {
   };
 
   Programs programs_ = {.plugin = &fPlugin};
+  Expressions expressions_;
+  Fingers fingers_;
   Mapping mapping_ = {.plugin = this};
   v3_param_id hidden_[vst3_object::ControllerPoints::kMax] = {};
   uint32_t hidden_count_ = 0;

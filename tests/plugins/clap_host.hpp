@@ -15,7 +15,9 @@
 #include <algorithm>
 #include <cstring>
 #include <map>
+#include <span>
 
+#include "contactspline/midi/midi_interpreter.hpp"
 #include "plugins/hosted_plugin.hpp"
 
 namespace contactspline::testing {
@@ -39,6 +41,7 @@ class ClapPlugin : public HostedPlugin {
     }
     events_.reserve(64);
     told_.reserve(kMaxTold);
+    ended_.reserve(kMaxTold);
   }
   ~ClapPlugin() override {
     plugin_->stop_processing(plugin_);
@@ -150,6 +153,48 @@ class ClapPlugin : public HostedPlugin {
     events_.push_back(event);
   }
 
+  // Notes by name, as hosts of this format have them.
+  void note_on(const NoteName& name, double velocity, std::uint32_t time = 0) {
+    push_note(CLAP_EVENT_NOTE_ON, name, velocity, time);
+  }
+  void note_off(const NoteName& name, double velocity, std::uint32_t time = 0) {
+    push_note(CLAP_EVENT_NOTE_OFF, name, velocity, time);
+  }
+  /// expression: of CLAP.
+  void express(std::int32_t expression, const NoteName& name, double value, std::uint32_t time = 0) {
+    Event event = {};
+    event.expression = {header(sizeof event.expression, time, CLAP_EVENT_NOTE_EXPRESSION),
+                        expression,
+                        name.id,
+                        0,
+                        static_cast<std::int16_t>(name.channel),
+                        static_cast<std::int16_t>(name.key),
+                        value};
+    events_.push_back(event);
+  }
+  /// The value of a parameter of single notes, or how far it is moved.
+  void set_of_note(const std::string& parameter, const NoteName& name, double value) {
+    push_value(CLAP_EVENT_PARAM_VALUE, parameter, name, value);
+  }
+  void modulate(const std::string& parameter, const NoteName& name, double amount) {
+    push_value(CLAP_EVENT_PARAM_MOD, parameter, name, amount);
+  }
+  /// bytes: of an exclusive message of MIDI; they must outlive the block.
+  void send_exclusive(std::span<const std::uint8_t> bytes) {
+    Event event = {};
+    event.exclusive = {header(sizeof event.exclusive, 0, CLAP_EVENT_MIDI_SYSEX), 0, bytes.data(),
+                       static_cast<std::uint32_t>(bytes.size())};
+    events_.push_back(event);
+  }
+  /// The notes whose end the plug-in has told.
+  [[nodiscard]] const std::vector<clap_event_note_t>& ended() const { return ended_; }
+  /// Flags of a parameter.
+  [[nodiscard]] std::uint32_t flags(const std::string& parameter) const {
+    clap_param_info_t info = {};
+    require(params_->get_info(plugin_, ids_.at(parameter), &info), "no parameter");
+    return info.flags;
+  }
+
   /// The framework has no programs for this format.
   [[nodiscard]] std::vector<std::string> programs() override { return {}; }
   void load_program(std::size_t) override {}
@@ -221,7 +266,31 @@ class ClapPlugin : public HostedPlugin {
     clap_event_header_t head;
     clap_event_midi_t midi;
     clap_event_param_value_t parameter;
+    clap_event_note_t note;
+    clap_event_note_expression_t expression;
+    clap_event_param_mod_t moved;
+    clap_event_midi_sysex_t exclusive;
   };
+
+  void push_note(std::uint16_t type, const NoteName& name, double velocity, std::uint32_t time) {
+    Event event = {};
+    event.note = {header(sizeof event.note, time, type), name.id, 0, static_cast<std::int16_t>(name.channel),
+                  static_cast<std::int16_t>(name.key),   velocity};
+    events_.push_back(event);
+  }
+  void push_value(std::uint16_t type, const std::string& parameter, const NoteName& name, double value) {
+    static_assert(sizeof(clap_event_param_value_t) == sizeof(clap_event_param_mod_t));
+    Event event = {};
+    event.parameter = {header(sizeof event.parameter, 0, type),
+                       ids_.at(parameter),
+                       nullptr,
+                       name.id,
+                       -1,
+                       static_cast<std::int16_t>(name.channel),
+                       static_cast<std::int16_t>(name.key),
+                       value};
+    events_.push_back(event);
+  }
 
   static void require(bool holds, const char* what) {
     if (!holds) throw std::runtime_error(std::string("CLAP: ") + what);
@@ -284,6 +353,9 @@ class ClapPlugin : public HostedPlugin {
           auto& told = static_cast<ClapPlugin*>(self->ctx)->told_;
           if (event->type == CLAP_EVENT_PARAM_VALUE && told.size() < kMaxTold)
             told.push_back(*reinterpret_cast<const clap_event_param_value_t*>(event));
+          auto& ended = static_cast<ClapPlugin*>(self->ctx)->ended_;
+          if (event->type == CLAP_EVENT_NOTE_END && ended.size() < kMaxTold)
+            ended.push_back(*reinterpret_cast<const clap_event_note_t*>(event));
           return true;
         }};
     return {input, output};
@@ -308,6 +380,7 @@ class ClapPlugin : public HostedPlugin {
   std::map<std::string, clap_id> ids_;
   std::vector<Event> events_;
   std::vector<clap_event_param_value_t> told_;
+  std::vector<clap_event_note_t> ended_;
   std::uint32_t timer_period_ms_ = 0;
   bool wants_restart_ = false;
   std::size_t latency_changes_ = 0;

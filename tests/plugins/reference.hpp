@@ -20,6 +20,7 @@ class Reference {
  public:
   virtual ~Reference() = default;
   virtual void midi(std::span<const std::uint8_t> message) = 0;
+  [[nodiscard]] virtual Hosted<float>& hosted() = 0;
   /// Left and right at the first value of the plug-in's volume, which is half.
   [[nodiscard]] virtual HostedPlugin::Sound run(std::size_t samples) = 0;
   /// As hosts see them; the plug-in's volume is not among them.
@@ -48,6 +49,7 @@ class ReferenceOf : public Reference {
   }
 
   void midi(std::span<const std::uint8_t> message) override { hosted_.midi(message); }
+  [[nodiscard]] Hosted<float>& hosted() override { return hosted_; }
 
   [[nodiscard]] HostedPlugin::Sound run(std::size_t samples) override {
     HostedPlugin::Sound sound;

@@ -17,7 +17,9 @@
 #include <map>
 #include <memory>
 #include <set>
+#include <span>
 
+#include "contactspline/midi/midi_interpreter.hpp"
 #include "plugins/hosted_plugin.hpp"
 
 namespace contactspline::testing {
@@ -380,8 +382,7 @@ class Vst3Plugin : public HostedPlugin {
   void send(std::uint32_t time, std::array<std::uint8_t, 3> message) override {
     v3_event event = {};
     event.sample_offset = static_cast<std::int32_t>(time);
-    // The framework rounds velocities down, and some numbers v/127 lie below the v that is meant.
-    const float velocity = (message[2] + 0.5f) / 127;
+    const float velocity = message[2] / 127.0f;
     switch (message[0] & 0xf0) {
       case 0x90:
         event.type = V3_EVENT_NOTE_ON;
@@ -398,6 +399,48 @@ class Vst3Plugin : public HostedPlugin {
       default:
         return;  // the format has no such events
     }
+  }
+
+  // Notes by name, as hosts of this format have them. cents: above its key.
+  void note_on(const NoteName& name, double velocity, std::uint32_t time = 0, double cents = 0) {
+    v3_event event = event_at(time, V3_EVENT_NOTE_ON);
+    event.note_on = {static_cast<std::int16_t>(name.channel),
+                     static_cast<std::int16_t>(name.key),
+                     static_cast<float>(cents),
+                     static_cast<float>(velocity),
+                     0,
+                     name.id};
+    list_.events.push_back(event);
+  }
+  void note_off(const NoteName& name, double velocity, std::uint32_t time = 0) {
+    v3_event event = event_at(time, V3_EVENT_NOTE_OFF);
+    event.note_off = {static_cast<std::int16_t>(name.channel), static_cast<std::int16_t>(name.key),
+                      static_cast<float>(velocity), name.id, 0};
+    list_.events.push_back(event);
+  }
+  void press_key(int channel, int key, double pressure) {
+    v3_event event = event_at(0, V3_EVENT_POLY_PRESSURE);
+    event.poly_pressure = {static_cast<std::int16_t>(channel), static_cast<std::int16_t>(key),
+                           static_cast<float>(pressure), -1};
+    list_.events.push_back(event);
+  }
+  /// expression: of VST3; part: of its way, 0 to 1.
+  void express(std::uint32_t expression, int id, double part, std::uint32_t time = 0) {
+    v3_event event = event_at(time, V3_EVENT_NOTE_EXP_VALUE);
+    event.note_exp_value = {expression, id, part};
+    list_.events.push_back(event);
+  }
+  /// bytes: of an exclusive message of MIDI; they must outlive the block.
+  void send_exclusive(std::span<const std::uint8_t> bytes) {
+    v3_event event = event_at(0, V3_EVENT_DATA);
+    event.data = {static_cast<std::uint32_t>(bytes.size()), 0, bytes.data()};
+    list_.events.push_back(event);
+  }
+  /// An interface of the controller; null where it has none.
+  template <typename Interface>
+  [[nodiscard]] Interface** of_controller(const v3_tuid id) {
+    Interface** found = nullptr;
+    return v3_cpp_obj_query_interface(controller_, id, &found) == V3_OK ? found : nullptr;
   }
 
   /// As hosts list them: by the units of the plug-in.
@@ -501,6 +544,13 @@ class Vst3Plugin : public HostedPlugin {
   }
 
  private:
+  static v3_event event_at(std::uint32_t time, std::uint16_t type) {
+    v3_event event = {};
+    event.sample_offset = static_cast<std::int32_t>(time);
+    event.type = type;
+    return event;
+  }
+
 #ifdef _WIN32
   static constexpr auto kExit = "ExitDll";
   [[nodiscard]] bool enter() const {

@@ -98,9 +98,15 @@ class Hosted {
   }
 
   /// Notes of a host that names them, beside MIDI: begins, ends and expresses them as MidiInterpreter says.
-  /// `move_note` moves a parameter of them alone, from where it is for all, where the instrument can.
+  /// `move_note` moves a parameter of them alone, from where it is for all, where the instrument can. express: called
+  /// before the note sounds; may express and move it.
+  template <typename Express>
+  void begin_note(const NoteName& name, double velocity, double cents, const Express& express) {
+    midi_.begin(
+        name, velocity, cents, [this](const MidiEvent& event) { take(event); }, express);
+  }
   void begin_note(const NoteName& name, double velocity, double cents = 0) {
-    midi_.begin(name, velocity, cents, [this](const MidiEvent& event) { take(event); });
+    begin_note(name, velocity, cents, [] {});
   }
   void end_note(const NoteName& name, double velocity) {
     midi_.end(name, velocity, [this](const MidiEvent& event) { take(event); });
@@ -153,9 +159,10 @@ class Hosted {
     using Kind = MidiEvent::Kind;
     const auto key = static_cast<std::size_t>(event.key);
     switch (event.kind) {
-      case Kind::kNoteOn:
+      case Kind::kNoteStart:
         bend(key, event.cents);
-        begin_key(event);
+        return begin_key(event);
+      case Kind::kNoteOn:
         return sleeper_.play({0, Action::kNoteOn, key, event.value});
       case Kind::kNoteOff:
         if (event.is_last) sleeper_.play({0, Action::kNoteOff, key, event.value});

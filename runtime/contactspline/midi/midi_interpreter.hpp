@@ -22,6 +22,7 @@ namespace contactspline {
 /// An event of a performance by MIDI.
 struct MidiEvent {
   enum class Kind {
+    kNoteStart,    ///< channel, key, cents, pressure, brightness: what a note begins with, before its kNoteOn
     kNoteOn,       ///< note, channel, key, value: velocity above 0 to 1, cents
     kNoteOff,      ///< note, channel, key, value: release velocity, 0 to 1, is_last
     kKeyBend,      ///< channel, key, cents: of a key that the channel has played last
@@ -48,13 +49,18 @@ struct MidiEvent {
   bool is_last = true;    ///< of a note off: does no other note hold the key?
   bool is_first = false;  ///< of a pressure: as if none had been sent
   bool is_alone = false;  ///< is it of what its channel plays, and of nothing else?
-  /// Of a note on: those of its channel in an MPE zone, 0 to 1; not a number where none was sent.
+  /// Of a note that starts: those of its channel in an MPE zone, 0 to 1; not a number where none was sent.
   double pressure = MidiChannel::kUnsent, brightness = MidiChannel::kUnsent;
 };
 
 /// How a host that names notes says which ones it means: those that have all of these; -1 stands for any.
 struct NoteName {
   int id = -1, channel = -1, key = -1;
+
+  /// Is a note, which has all of these, meant?
+  [[nodiscard]] constexpr bool means(const NoteName& note) const {
+    return (id < 0 || id == note.id) && (channel < 0 || channel == note.channel) && (key < 0 || key == note.key);
+  }
 };
 
 /// What such a host can do to a note: tune it [cents above its key], press it, 0 to 1, make it brighter, 0 to 1, and
@@ -79,19 +85,19 @@ class MidiInterpreter {
   }
 
   /// Begins a note of a host that names it. velocity: above 0 to 1; cents above its key. What is not of MIDI's range
-  /// does nothing.
-  template <typename Sink>
-  void begin(const NoteName& name, double velocity, double cents, Sink&& sink) {
+  /// does nothing. express: called before it sounds; may express it.
+  template <typename Sink, typename Express>
+  void begin(const NoteName& name, double velocity, double cents, Sink&& sink, Express&& express) {
     const bool is_of_midi =
         name.key >= 0 && name.key < int(kMidiKeys) && name.channel >= 0 && name.channel < kChannels;
     if (!is_of_midi || !(velocity >= 0) || !is_number(cents)) return;
-    start(name, (std::min)(velocity, 1.0), cents, sink);
+    start(name, (std::min)(velocity, 1.0), cents, sink, express);
   }
   /// Ends the notes of a name that are held. velocity: 0 to 1.
   template <typename Sink>
   void end(const NoteName& name, double velocity, Sink&& sink) {
     for (std::size_t n = 0; n < held_count_;)
-      if (has(name, held_[n].id, held_[n].channel, held_[n].key))
+      if (name.means(held_[n].name))
         end(n, 127 * velocity, sink);
       else
         ++n;
@@ -109,15 +115,15 @@ class MidiInterpreter {
         case NoteExpression::kLevel:
         case NoteExpression::kPan:
           return sink(MidiEvent{.kind = expression == NoteExpression::kPan ? Kind::kPan : Kind::kLevel,
-                                .channel = note.channel,
+                                .channel = note.name.channel,
                                 .key = key,
                                 .value = value});
         case NoteExpression::kPressure:
         case NoteExpression::kBrightness:
           const bool is_pressure = expression == NoteExpression::kPressure;
           return sink(MidiEvent{.kind = is_pressure ? Kind::kPressure : Kind::kController,
-                                .channel = note.channel,
-                                .key = note.key,
+                                .channel = note.name.channel,
+                                .key = note.name.key,
                                 .number = is_pressure ? 0 : kBrightnessController,
                                 .value = std::clamp(value, 0.0, 1.0),
                                 .is_alone = true});
@@ -128,8 +134,7 @@ class MidiInterpreter {
   template <typename Visitor>
   void each(const NoteName& name, Visitor&& visit) const {
     for (std::size_t key = 0; key < kMidiKeys; ++key)
-      if (const Sounding& note = sounding_[key]; note.channel >= 0 && has(name, note.id, note.channel, note.key))
-        visit(static_cast<int>(key));
+      if (sounding_[key].name.channel >= 0 && name.means(sounding_[key].name)) visit(static_cast<int>(key));
   }
 
   /// Tunes the keys by a table, or anew, for the notes that begin from now on.
@@ -164,13 +169,14 @@ class MidiInterpreter {
 
   struct Held {
     std::size_t note;
-    int id, channel, key, played;  // the key of MIDI, and that which it plays
+    NoteName name;
+    int played;  // the key of the instrument
   };
   // What a key of the instrument plays.
   struct Sounding {
-    int id = -1, channel = -1, key = -1;  // of the note
-    double own_cents = 0;                 // beside the bend of the channel
-    double bent_cents = 0;                // of that: by the host that names the note
+    NoteName name;          // of the note
+    double own_cents = 0;   // beside the bend of the channel
+    double bent_cents = 0;  // by the host that names the note
   };
 
   [[nodiscard]] MidiChannel& at(int channel) { return channels_[static_cast<std::size_t>(channel)]; }
@@ -217,44 +223,44 @@ class MidiInterpreter {
     tell_bends(sink);
   }
 
-  static bool has(const NoteName& name, int id, int channel, int key) {
-    return (name.id < 0 || name.id == id) && (name.channel < 0 || name.channel == channel) &&
-           (name.key < 0 || name.key == key);
-  }
-
   template <typename Sink>
   void note_on(int channel, int key, int velocity, Sink& sink) {
     if (!is_number(tuning_.cents(key))) return;
     const double value = (velocity + std::exchange(at(channel).velocity_low, 0) / 128.0) / 127.0;
-    start({-1, channel, key}, (std::min)(value, 1.0), 0, sink);
+    start({-1, channel, key}, (std::min)(value, 1.0), 0, sink, [] {});
   }
 
   // Begins a note: the key of the instrument that plays it, and how far it is tuned.
-  template <typename Sink>
-  void start(const NoteName& name, double velocity, double cents, Sink& sink) {
-    const auto& [id, channel, key] = name;
-    const double own_of_key = tuning_.cents(key) + cents;
+  template <typename Sink, typename Express>
+  void start(const NoteName& name, double velocity, double cents, Sink& sink, const Express& express) {
+    const int channel = name.channel;
+    const double own_of_key = tuning_.cents(name.key) + cents;
     if (!is_number(own_of_key)) return;
     if (held_count_ == kMaxNotes) end(0, kHalf, sink);
-    const auto [played, own] = tuned_key(key, own_of_key, cents_of(channel), settings_);
-    sounding_[static_cast<std::size_t>(played)] = {id, channel, key, own};
-    held_[held_count_++] = {notes_, id, channel, key, played};
+    const auto [played, own] = tuned_key(name.key, own_of_key, cents_of(channel), settings_);
+    sounding_[static_cast<std::size_t>(played)] = {name, own};
+    held_[held_count_++] = {notes_, name, played};
     const bool is_member = master_of(channel) >= 0;
+    sink(MidiEvent{.kind = Kind::kNoteStart,
+                   .channel = channel,
+                   .key = played,
+                   .cents = own + cents_of(channel),
+                   .pressure = is_member ? at(channel).pressure : MidiChannel::kUnsent,
+                   .brightness = is_member ? at(channel).brightness : MidiChannel::kUnsent});
+    express();
     sink(MidiEvent{.kind = Kind::kNoteOn,
                    .channel = channel,
                    .key = played,
                    .value = velocity,
                    .cents = own + cents_of(channel),
                    .own_cents = own,
-                   .note = notes_++,
-                   .pressure = is_member ? at(channel).pressure : MidiChannel::kUnsent,
-                   .brightness = is_member ? at(channel).brightness : MidiChannel::kUnsent});
+                   .note = notes_++});
   }
 
   template <typename Sink>
   void note_off(int channel, int key, int velocity, Sink& sink) {
     for (std::size_t n = 0; n < held_count_; ++n)
-      if (held_[n].channel == channel && held_[n].key == key) return end(n, velocity, sink);
+      if (held_[n].name.channel == channel && held_[n].name.key == key) return end(n, velocity, sink);
   }
 
   template <typename Sink>
@@ -266,7 +272,7 @@ class MidiInterpreter {
     --held_count_;
     const auto others = std::span(held_).first(held_count_);
     sink(MidiEvent{.kind = Kind::kNoteOff,
-                   .channel = ended.channel,
+                   .channel = ended.name.channel,
                    .key = ended.played,
                    .value = velocity / 127.0,
                    .note = ended.note,
@@ -276,7 +282,7 @@ class MidiInterpreter {
   template <typename Sink>
   void end_notes(int channel, Sink& sink) {
     for (std::size_t n = 0; n < held_count_;)
-      if (held_[n].channel == channel)
+      if (held_[n].name.channel == channel)
         end(n, kHalf, sink);
       else
         ++n;
@@ -432,7 +438,7 @@ class MidiInterpreter {
       if (cents == std::exchange(at(channel).told_cents, cents)) continue;
       sink(MidiEvent{.kind = Kind::kChannelBend, .channel = channel, .cents = cents});
       for (std::size_t key = 0; key < kMidiKeys; ++key)
-        if (sounding_[key].channel == channel) tell_key(static_cast<int>(key), sink);
+        if (sounding_[key].name.channel == channel) tell_key(static_cast<int>(key), sink);
     }
   }
 
@@ -440,9 +446,9 @@ class MidiInterpreter {
   void tell_key(int key, Sink& sink) {
     const Sounding& note = sounding_[static_cast<std::size_t>(key)];
     sink(MidiEvent{.kind = Kind::kKeyBend,
-                   .channel = note.channel,
+                   .channel = note.name.channel,
                    .key = key,
-                   .cents = note.own_cents + note.bent_cents + cents_of(note.channel)});
+                   .cents = note.own_cents + note.bent_cents + cents_of(note.name.channel)});
   }
 
   MidiSettings settings_;

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: MIT
+// Notes that hosts of CLAP and VST3 name, tune, press, mix and modulate alone, against the instrument without a
+// framework, to which the same is said.
+#include "plugins/vst3_host.hpp"
+#include "vst3_note_expression.h"
+
+#include "plugins/open_plugin.hpp"
+#include "plugins/reference.hpp"
+#include "support/compare.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+constexpr std::size_t kBlock = HostedPlugin::kBlock, kBlocks = 60;
+constexpr double kRate = 48000;
+
+std::unique_ptr<ClapPlugin> open_clap(const std::string& name) {
+  auto plugin = open_plugin("clap", name, kRate);
+  return std::unique_ptr<ClapPlugin>(dynamic_cast<ClapPlugin*>(plugin.release()));
+}
+std::unique_ptr<Vst3Plugin> open_vst3(const std::string& name) {
+  auto plugin = open_plugin("vst3", name, kRate);
+  return std::unique_ptr<Vst3Plugin>(dynamic_cast<Vst3Plugin*>(plugin.release()));
+}
+std::unique_ptr<Reference> reference(const std::string& name) {
+  return Reference::makers().at(name)(kRate);
+}
+
+// The plug-in's samples are those of its class but for the rounding of its volume.
+void expect_same(const HostedPlugin::Sound& played, const HostedPlugin::Sound& expected) {
+  for (const std::size_t side : {0u, 1u}) {
+    EXPECT_GT(*std::ranges::max_element(expected[side]), 1e-3f);
+    EXPECT_GE(agreement_db<float>(played[side], expected[side]), 110) << side;
+  }
+}
+// What is said to a note must be heard: it is the sound without it no more.
+void expect_differs(const HostedPlugin::Sound& played, const HostedPlugin::Sound& plain) {
+  EXPECT_LT(agreement_db<float>(played[0], plain[0]), 40);
+}
+
+HostedPlugin::Sound plain_notes(const std::string& instrument) {
+  const auto plain = reference(instrument);
+  plain->hosted().begin_note({1, 0, 60}, 0.7);
+  plain->hosted().begin_note({2, 0, 64}, 0.7);
+  return plain->run(kBlocks * kBlock);
+}
+
+// Notes of one key and channel are told apart by their identity.
+TEST(Clap, PlaysAndExpressesNotesByName) {
+  const auto plugin = open_clap("lap_steel");
+  const auto expected = reference("lap_steel");
+  plugin->note_on({1, 0, 60}, 0.7);
+  plugin->note_on({2, 0, 64}, 0.7);
+  plugin->express(CLAP_NOTE_EXPRESSION_TUNING, {.id = 1}, 1.503);
+  plugin->express(CLAP_NOTE_EXPRESSION_VOLUME, {.id = 2}, 0.25);
+  plugin->express(CLAP_NOTE_EXPRESSION_VIBRATO, {}, 1);  // which the instrument does not have
+  Hosted<float>& hosted = expected->hosted();
+  hosted.begin_note({1, 0, 60}, 0.7);
+  hosted.begin_note({2, 0, 64}, 0.7);
+  hosted.express({.id = 1}, NoteExpression::kTuning, 150.3);
+  hosted.express({.id = 2}, NoteExpression::kLevel, 0.25);
+  const auto played = plugin->run(kBlocks);
+  expect_same(played, expected->run(kBlocks * kBlock));
+  expect_differs(played, plain_notes("lap_steel"));
+  EXPECT_EQ(plugin->allocated() + plugin->locked(), 0u);
+
+  plugin->note_off({1, 0, 60}, 0.5);
+  (void)plugin->run(1);
+  ASSERT_EQ(plugin->ended().size(), 1u);
+  EXPECT_EQ(plugin->ended()[0].note_id, 1);
+  EXPECT_EQ(plugin->ended()[0].key, 60);
+}
+
+TEST(Vst3, PlaysAndExpressesNotesByName) {
+  const auto plugin = open_vst3("lap_steel");
+  const auto expected = reference("lap_steel");
+  plugin->note_on({1, 0, 60}, 0.71, 0, 12.5);
+  plugin->note_on({2, 0, 64}, 0.7);
+  plugin->express(2, 1, 0.5 + 150.3 / 24000);
+  plugin->express(0, 2, 0.0625);
+  plugin->express(7, 2, 1);  // a text
+  Hosted<float>& hosted = expected->hosted();
+  hosted.begin_note({1, 0, 60}, 0.71f, 12.5);
+  hosted.begin_note({2, 0, 64}, 0.7f);
+  hosted.express({.id = 1}, NoteExpression::kTuning, 150.3);
+  hosted.express({.id = 2}, NoteExpression::kLevel, 0.25);
+  const auto played = plugin->run(kBlocks);
+  expect_same(played, expected->run(kBlocks * kBlock));
+  expect_differs(played, plain_notes("lap_steel"));
+  EXPECT_EQ(plugin->allocated() + plugin->locked(), 0u);
+}
+
+// A parameter of one note, by its value or beside it; and of all, which the value that the host sees does not show.
+TEST(Clap, ModulatesParametersOfNotesAndOfAll) {
+  constexpr auto kFingers = "fingers resistance";
+  const auto plain = plain_notes("lap_steel");
+  for (const bool is_value : {true, false}) {
+    const auto plugin = open_clap("lap_steel");
+    const auto expected = reference("lap_steel");
+    const auto parameters = expected->parameters();
+    const auto fingers = std::ranges::find(parameters, std::string(kFingers), &HostedParameter::name);
+    ASSERT_NE(fingers, parameters.end());
+    plugin->note_on({1, 0, 60}, 0.7);
+    plugin->note_on({2, 0, 64}, 0.7);
+    is_value ? plugin->set_of_note(kFingers, {.key = 64}, fingers->initial + 15)
+             : plugin->modulate(kFingers, {.key = 64}, 15);
+    Hosted<float>& hosted = expected->hosted();
+    const auto listed = hosted.instrument().parameters();
+    const auto number = static_cast<std::size_t>(
+        std::ranges::find(listed, std::string_view("fingers_resistance_n_s_per_m"), &Parameter::name) -
+        listed.begin());
+    hosted.begin_note({1, 0, 60}, 0.7);
+    hosted.begin_note({2, 0, 64}, 0.7);
+    hosted.move_note({.key = 64}, number, 15);
+    const auto played = plugin->run(kBlocks);
+    expect_same(played, expected->run(kBlocks * kBlock));
+    expect_differs(played, plain);
+  }
+
+  const auto plugin = open_clap("lap_steel");
+  const double value = plugin->value(kFingers);
+  plugin->modulate(kFingers, {}, 15);
+  plugin->note_on({1, 0, 60}, 0.7);
+  plugin->note_on({2, 0, 64}, 0.7);
+  expect_differs(plugin->run(kBlocks), plain);
+  EXPECT_EQ(plugin->value(kFingers), value);
+  constexpr std::uint32_t kOfNotes = CLAP_PARAM_IS_MODULATABLE | CLAP_PARAM_IS_MODULATABLE_PER_NOTE_ID |
+                                     CLAP_PARAM_IS_AUTOMATABLE_PER_NOTE_ID;
+  EXPECT_EQ(plugin->flags(kFingers) & kOfNotes, kOfNotes);
+  EXPECT_EQ(plugin->flags("bend") & kOfNotes, std::uint32_t(CLAP_PARAM_IS_MODULATABLE));
+  EXPECT_EQ(plugin->flags("volume") & kOfNotes, 0u);
+  plugin->modulate(kFingers, {}, std::nan(""));
+  plugin->modulate("volume", {.key = 60}, 1);
+  (void)plugin->run(1);
+}
+
+// The felt of one key of the piano, whose note begins at the same sample; by MPE the same, as MIDI has it.
+TEST(Clap, BrightensOneKeyOfThePiano) {
+  const double part = 100 / 127.0;
+  const auto plugin = open_clap("piano");
+  for (const int key : {60, 64}) plugin->note_on({key, 0, key}, 90 / 127.0);
+  plugin->express(CLAP_NOTE_EXPRESSION_BRIGHTNESS, {.key = 64}, part);
+  const auto by_mpe = open_clap("piano");
+  const auto expected = reference("piano");
+  for (const std::array<std::uint8_t, 3>& message : {std::array<std::uint8_t, 3>{0xb0, 101, 0},
+                                                     {0xb0, 100, 6},
+                                                     {0xb0, 6, 4},
+                                                     {0xb1, 74, 100},
+                                                     {0x92, 60, 90},
+                                                     {0x91, 64, 90}}) {
+    by_mpe->send(0, message);
+    expected->midi(message);
+  }
+  const auto bright = expected->run(kBlocks * kBlock);
+  expect_same(by_mpe->run(kBlocks), bright);
+  expect_same(plugin->run(kBlocks), bright);
+  const auto plain = reference("piano");
+  for (const int key : {60, 64}) plain->hosted().begin_note({-1, 0, key}, 90 / 127.0);
+  expect_differs(bright, plain->run(kBlocks * kBlock));
+}
+
+// Messages that tune keys, which the framework leaves out.
+TEST(Clap, IsTunedByExclusiveMessages) {
+  constexpr std::array<std::uint8_t, 12> kTuned = {0xf0, 0x7f, 0x7f, 8, 2, 0, 1, 60, 60, 0x40, 0, 0xf7};
+  const auto clap = open_clap("lap_steel");
+  const auto vst3 = open_vst3("lap_steel");
+  const auto expected = reference("lap_steel");
+  expected->midi(kTuned);
+  clap->send_exclusive(kTuned);
+  vst3->send_exclusive(kTuned);
+  expected->hosted().begin_note({-1, 0, 60}, 0.75f);
+  clap->note_on({-1, 0, 60}, 0.75f);
+  vst3->note_on({-1, 0, 60}, 0.75f);
+  const auto sound = expected->run(kBlocks * kBlock);
+  expect_same(clap->run(kBlocks), sound);
+  expect_same(vst3->run(kBlocks), sound);
+}
+
+TEST(Clap, SaysThatItTakesNotesByNameAndMpe) {
+  const auto plugin = open_clap("piano");
+  const auto* const ports = plugin->extension<clap_plugin_note_ports_t>(CLAP_EXT_NOTE_PORTS);
+  ASSERT_NE(ports, nullptr);
+  EXPECT_EQ(ports->count(nullptr, true), 1u);
+  EXPECT_EQ(ports->count(nullptr, false), 0u);
+  clap_note_port_info_t info = {};
+  ASSERT_TRUE(ports->get(nullptr, 0, true, &info));
+  EXPECT_EQ(info.supported_dialects,
+            std::uint32_t(CLAP_NOTE_DIALECT_CLAP | CLAP_NOTE_DIALECT_MIDI | CLAP_NOTE_DIALECT_MIDI_MPE));
+  EXPECT_FALSE(ports->get(nullptr, 1, true, &info));
+  EXPECT_FALSE(ports->get(nullptr, 0, false, &info));
+}
+
+std::string text_of(const v3_str_128& text) {
+  std::string ascii;
+  for (const std::int16_t c : text)
+    if (c != 0)
+      ascii += static_cast<char>(c);
+    else
+      break;
+  return ascii;
+}
+
+TEST(Vst3, ListsWhatItExpresses) {
+  const auto plugin = open_vst3("lap_steel");
+  auto** const list = plugin->of_controller<v3_note_expression_controller>(v3_note_expression_controller_iid);
+  ASSERT_NE(list, nullptr);
+  const auto& functions = *v3_cpp_obj(list);
+  std::string titles;
+  const int count = functions.get_note_expression_count(list, 0, 0);
+  for (int number = 0; number < count; ++number) {
+    v3_note_expression_type_info info = {};
+    ASSERT_EQ(functions.get_note_expression_info(list, 0, 0, number, &info), V3_OK);
+    titles += text_of(info.title) + " ";
+    v3_str_128 text = {};
+    ASSERT_EQ(functions.get_note_expression_string_by_value(list, 0, 0, info.type_id, 0.75, text), V3_OK);
+    double part = 0;
+    ASSERT_EQ(functions.get_note_expression_value_by_string(list, 0, 0, info.type_id, text, &part), V3_OK);
+    EXPECT_NEAR(part, 0.75, 1e-12) << titles;
+  }
+  EXPECT_EQ(titles, "volume pan tuning brightness pressure ");
+  v3_note_expression_type_info info = {};
+  EXPECT_NE(functions.get_note_expression_info(list, 0, 0, count, &info), V3_OK);
+  EXPECT_EQ(functions.get_note_expression_count(list, 1, 0), 0);
+  v3_str_128 text = {'x'};
+  double part = 0;
+  EXPECT_NE(functions.get_note_expression_value_by_string(list, 0, 0, 2, text, &part), V3_OK);
+
+  auto** const fingers = plugin->of_controller<v3_note_expression_physical>(v3_note_expression_physical_iid);
+  ASSERT_NE(fingers, nullptr);
+  std::array<v3_physical_ui_map, 4> maps = {{{0, 0}, {1, 0}, {2, 0}, {9, 0}}};
+  v3_physical_ui_map_list asked = {4, maps.data()};
+  ASSERT_EQ(v3_cpp_obj(fingers)->get_physical_ui_mapping(fingers, 0, 0, &asked), V3_OK);
+  EXPECT_EQ(maps[0].expression, 2u);
+  EXPECT_EQ(maps[1].expression, 5u);
+  EXPECT_EQ(maps[2].expression, 100000u);
+  EXPECT_EQ(maps[3].expression, 0xffffffffu);
+}
+
+}  // namespace
+}  // namespace contactspline::testing
