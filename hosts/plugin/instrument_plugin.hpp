@@ -32,6 +32,7 @@
 #include "contactspline/step/controls.hpp"
 #include "contactspline/step/flush_denormals.hpp"
 #include "contactspline/step/version.hpp"
+#include "plugin_tuning.hpp"
 #include "watched_file.hpp"
 #include "windowed_plugin.hpp"
 
@@ -56,14 +57,13 @@ struct PluginInstrument {
 
 }  // namespace detail
 
-/// The plug-in of an instrument. Parameters and programs are its parameters and
-/// presets, in units for people (label_of); a volume is the last parameter. Without presets one program sets all
-/// parameters to their first values. Left and right are the outputs whose names begin with left_ and right_; without
-/// them the first output is on both sides. Behind the volume stand what hosts can only read: the peak of each output,
-/// in its unit, which falls within 0.3 s. The last two are the oversampling, whose change a thread of its own
-/// prepares and the instrument takes while it sounds, and the latency, to read. That thread also watches the
-/// instrument's file (watched_file.hpp); without one it sleeps. While a window watches, it tells it what the contacts
-/// do.
+/// The plug-in of an instrument. Parameters and programs are its parameters and presets, in units for people
+/// (label_of); a volume and the tuning are behind them. Without presets one program sets all parameters to their
+/// first values. Left and right are the outputs whose names begin with left_ and right_; without them the first
+/// output is on both sides. Behind the tuning stand what hosts can only read: the peak of each output, in its unit,
+/// which falls within 0.3 s. The last two are the oversampling, whose change a thread of its own prepares and the
+/// instrument takes while it sounds, and the latency, to read. That thread also watches the instrument's file
+/// (watched_file.hpp); without one it sleeps. While a window watches, it tells it what the contacts do.
 template <std::floating_point T>
 class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlugin {
  public:
@@ -72,12 +72,14 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
   explicit InstrumentPlugin(Make* make)
       : detail::PluginInstrument<T>(std::make_unique<Replaceable<T>>(make())),
         WindowedPlugin(
-            static_cast<std::uint32_t>(this->numbers.size() + 3 + this->hosted.instrument().outputs().size()),
+            static_cast<std::uint32_t>(this->numbers.size() + 3 + this->hosted.instrument().outputs().size() +
+                                       PluginTuning::kParameters),
             static_cast<std::uint32_t>(std::max<std::size_t>(1, this->hosted.instrument().presets().size())), 0),
         make_(make),
         file_(instrument().name()),
         volume_index_(this->numbers.size()),
-        oversampling_index_(volume_index_ + 1 + instrument().outputs().size()),
+        peak_index_(volume_index_ + 1 + PluginTuning::kParameters),
+        oversampling_index_(peak_index_ + instrument().outputs().size()),
         factors_(all_factors()),
         values_(factors_.size()),
         modulations_(factors_.size()),
@@ -144,7 +146,8 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     using namespace DISTRHO_NAMESPACE;
     if (index == oversampling_index_) return describe_oversampling(parameter);
     if (index > oversampling_index_) return describe_latency(parameter);
-    if (index > volume_index_) return describe_peak(instrument().outputs()[index - volume_index_ - 1], parameter);
+    if (index >= peak_index_) return describe_peak(instrument().outputs()[index - peak_index_], parameter);
+    if (index > volume_index_) return PluginTuning::describe(index - volume_index_ - 1, parameter);
     const Control& c = control(index);
     const Label label = label_of(c.name);
     parameter.hints = kParameterIsAutomatable | (c.scale == Scale::kLogarithmic ? kParameterIsLogarithmic : 0u);
@@ -214,13 +217,15 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
   float getParameterValue(std::uint32_t index) const override {
     if (index == oversampling_index_) return static_cast<float>(oversampling_);
     if (index > oversampling_index_) return static_cast<float>(latency());
-    return index > volume_index_ ? peaks_[index - volume_index_ - 1].shown : values_[index].shown;
+    if (index >= peak_index_) return peaks_[index - peak_index_].shown;
+    return index > volume_index_ ? tuning_.value(index - volume_index_ - 1) : values_[index].shown.load();
   }
 
   // On any thread.
   void setParameterValue(std::uint32_t index, float value) override {
     if (index == oversampling_index_) return set_oversampling(value);
-    if (index >= values_.size()) return;
+    if (index > oversampling_index_ || (index >= peak_index_ && index < oversampling_index_)) return;
+    if (index > volume_index_) return tuning_.set(index - volume_index_ - 1, value);
     const auto [min, max] = control(index).slider;
     HostValue& kept = values_[index];
     kept.shown = held(kept.shown.load(), value, {shown(index, min), shown(index, max)});
@@ -318,7 +323,10 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
       woken_.wait_for(lock, file_.is_there() ? kLook : kLongestSleep, [&] { return !is_active_ || wakes_ != seen; });
     }
   }
-  void deactivate() override { end_thread(); }
+  void deactivate() override {
+    end_thread();
+    tuning_.set_active(false);
+  }
 
   // Not on the audio thread.
   void activate() override {
@@ -330,6 +338,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     attempt([this] { renew(); });
     setLatency(latency());
     attempt([this] { this->hosted.prepare(getSampleRate()); });
+    tuning_.set_active(true);
     is_active_ = true;
     attempt([this] { thread_ = std::thread([this] { renew_while_active(); }); });
     volume_ = volume_target_;
@@ -366,6 +375,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
 
   // Passes on what the host has set since the last block: a controller that MIDI has moved stays until then.
   void take_values() {
+    tuning_.take(this->hosted);
     for (std::size_t p = 0; p < values_.size(); ++p) {
       if (!values_[p].is_new.load(std::memory_order_relaxed) || !values_[p].is_new.exchange(false)) continue;
       const float value = values_[p].shown;
@@ -381,7 +391,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     using Kind = HostNote::Kind;
     const HostNote& note = notes_of_block.front();
     if (note.kind != Kind::kBegin) return take(note);
-    ++begun_;
+    begin(note.name.key, note.name.channel);
     this->hosted.begin_note(note.name, note.value, note.cents, [&] {
       for (const HostNote& other : notes_of_block.subspan(1)) {
         if (other.frame != note.frame) return;
@@ -407,6 +417,12 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     }
   }
 
+  // A note of MIDI.
+  void begin(int key, int channel) {
+    ++begun_;
+    if (key >= 0 && key < static_cast<int>(kMidiKeys)) tuning_.before_note(this->hosted, key, channel);
+  }
+
   // A parameter of single notes, or beside its value for all. What a host says of a note contains what it says of
   // all.
   void move(const HostNote& note) {
@@ -427,7 +443,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     if (bytes.size() == 3 && bytes[0] >= 0x80 && bytes[0] < 0xf0) bytes = bytes.first(1 + midi_data_bytes(bytes[0]));
     if (bytes.size() == 2 && (bytes[0] & 0xf0) == 0xc0 && bytes[1] < 0x80) return take_program(bytes[1]);
     const auto message = midi_message(bytes);
-    if (message && message->status == 0x90 && message->second > 0) ++begun_;
+    if (message && message->status == 0x90 && message->second > 0) begin(message->first, message->channel);
     if (message && message->status == 0xb0 && message->first == kVolumeController)
       volume_target_ = static_cast<float>(message->second) / 127;
     else
@@ -479,7 +495,8 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
 
   Make* make_;
   WatchedFile<T> file_;
-  std::size_t volume_index_, oversampling_index_;
+  std::size_t volume_index_, peak_index_, oversampling_index_;
+  PluginTuning tuning_;
   const std::array<std::uint32_t, std::size(kOversamplings)> latencies_ = all_latencies();  // samples
   std::atomic<int> oversampling_ = 1;                                                       // that the host wants
   int made_oversampling_ = 1;

@@ -113,7 +113,9 @@ TEST(MidiInHost, PressureAndBreathMoveABow) {
   const Score again = parse_midi_on_instrument(file(track(with_reset)), "song.mid", {}, violin);
   ASSERT_FALSE(again.voices.front().glides.empty());
   for (const Glide& glide : again.voices.front().glides)
-    if (glide.control == 0) EXPECT_EQ(glide.to, 0.5);
+    if (glide.control == 0) {
+      EXPECT_EQ(glide.to, 0.5);
+    }
 }
 
 // Counted from 0; a number without a preset changes nothing. Parameters that a preset does not name go back, but for

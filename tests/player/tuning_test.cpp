@@ -5,10 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "contactspline/host/tuned_keys.hpp"
+#include "contactspline/midi/temperament.hpp"
 #include "generator/player/midi_reader.hpp"
 #include "player/tunings.hpp"
 #include "support/compare.hpp"
@@ -27,6 +29,47 @@ Tuning tuning_of(const TuningCase& tuned) {
     return of.empty() ? std::nullopt : std::optional(TuningText{of, "probe"});
   };
   return {text(tuned.scale), text(tuned.keymap), tuned.a4_hz};
+}
+
+// Cents above C, as books give them; just intonation by its ratios.
+TEST(Temperaments, AreThePublishedOnes) {
+  const auto just = [](double a, double b) { return 1200 * std::log2(a / b); };
+  const std::map<std::string, std::array<double, 12>> published = {
+      {"equal", {0, 100, 200, 300, 400, 500, 600, 700, 800, 900, 1000, 1100}},
+      {"Pythagorean",
+       {0, 113.685, 203.910, 294.135, 407.820, 498.045, 611.730, 701.955, 815.640, 905.865, 996.090, 1109.775}},
+      {"meantone, a quarter of a comma",
+       {0, 76.049, 193.157, 310.265, 386.314, 503.422, 579.471, 696.578, 772.627, 889.735, 1006.843, 1082.892}},
+      {"just",
+       {0, just(16, 15), just(9, 8), just(6, 5), just(5, 4), just(4, 3), just(45, 32), just(3, 2), just(8, 5),
+        just(5, 3), just(9, 5), just(15, 8)}},
+      {"Werckmeister III",
+       {0, 90.225, 192.180, 294.135, 390.225, 498.045, 588.270, 696.090, 792.180, 888.270, 996.090, 1092.180}},
+      {"Kirnberger III",
+       {0, 90.225, 193.157, 294.135, 386.314, 498.045, 590.224, 696.578, 792.180, 889.735, 996.090, 1088.269}},
+      {"Vallotti",
+       {0, 94.135, 196.090, 298.045, 392.180, 501.955, 592.180, 698.045, 796.090, 894.135, 1000, 1090.225}},
+      {"Young",
+       {0, 90.225, 196.090, 294.135, 392.180, 498.045, 588.270, 698.045, 792.180, 894.135, 996.090, 1090.225}}};
+  ASSERT_EQ(kTemperaments.size(), published.size());
+  for (const Temperament& temperament : kTemperaments) {
+    SCOPED_TRACE(temperament.name);
+    const auto& expected = published.at(temperament.name);
+    for (std::size_t tonic = 0; tonic < 12; ++tonic) {
+      const KeyCents keys = tempered_keys(temperament, tonic, 415);
+      EXPECT_TRUE(within(keys[69], 1200 * std::log2(415 / 440.0), 1e-9));
+      for (std::size_t key = 60 + tonic; key < 72 + tonic; ++key) {
+        const double above = 100.0 * static_cast<double>(key - 60 - tonic) + keys[key] - keys[60 + tonic];
+        EXPECT_TRUE(within(above, expected[key - 60 - tonic], 6e-4)) << key;
+      }
+    }
+    // The fifths close the circle.
+    double sum = 0;
+    for (std::size_t fifth = 0; fifth < 12; ++fifth)
+      sum += kPythagoreanComma_cents * temperament.of_pythagorean[fifth] +
+             kSyntonicComma_cents * temperament.of_syntonic[fifth];
+    EXPECT_TRUE(within(sum, kPythagoreanComma_cents, 1e-9));
+  }
 }
 
 double cents_between(double hz, double expected_hz) {

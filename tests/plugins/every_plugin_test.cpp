@@ -38,6 +38,7 @@ INSTANTIATE_TEST_SUITE_P(InEveryFormat, EveryPlugin, ::testing::ValuesIn(every_p
 TEST_P(EveryPlugin, ListsItsParametersWithUnits) {
   auto expected = reference()->parameters();
   expected.push_back({"volume", "", 0, 1, 0.5});
+  std::ranges::copy(kTuning, std::back_inserter(expected));
   expected.push_back(kOversampling);
   const auto plugin = open();
   expect_parameters(*plugin, expected);

@@ -64,6 +64,7 @@ std::vector<HostedParameter> expected_parameters(const std::string& name) {
 
 TEST_P(InstrumentPlugin, ShowsItsParameters) {
   auto expected = expected_parameters(GetParam().name);
+  std::ranges::copy(kTuning, std::back_inserter(expected));
   expected.push_back(kOversampling);
   expect_parameters(*open(), expected);
 }

@@ -1,15 +1,30 @@
 // SPDX-License-Identifier: MIT
 // Notes that hosts of CLAP and VST3 name, tune, press, mix and modulate alone, against the instrument without a
 // framework, to which the same is said.
-#include "plugins/vst3_host.hpp"
-#include "vst3_note_expression.h"
-
+#include "contactspline/midi/temperament.hpp"
 #include "plugins/open_plugin.hpp"
 #include "plugins/reference.hpp"
+#include "plugins/vst3_host.hpp"
 #include "support/compare.hpp"
+#include "vst3_note_expression.h"
 
 namespace contactspline::testing {
 namespace {
+
+// What a program that tunes the session would do, through the library that plug-ins find.
+struct MtsStub {
+  void (*has_master)(bool);
+  void (*tune)(int key, double frequency_hz);
+  void (*leave_out)(int key);
+  int (*clients)();
+};
+MtsStub& mts_stub() {
+  static Library library{"libMTS.so"};
+  static MtsStub stub = {library.symbol<void(bool)>("stub_set_master"),
+                         library.symbol<void(int, double)>("stub_tune"), library.symbol<void(int)>("stub_leave_out"),
+                         library.symbol<int()>("stub_clients")};
+  return stub;
+}
 
 constexpr std::size_t kBlock = HostedPlugin::kBlock, kBlocks = 60;
 constexpr double kRate = 48000;
@@ -124,8 +139,8 @@ TEST(Clap, ModulatesParametersOfNotesAndOfAll) {
   plugin->note_on({2, 0, 64}, 0.7);
   expect_differs(plugin->run(kBlocks), plain);
   EXPECT_EQ(plugin->value(kFingers), value);
-  constexpr std::uint32_t kOfNotes = CLAP_PARAM_IS_MODULATABLE | CLAP_PARAM_IS_MODULATABLE_PER_NOTE_ID |
-                                     CLAP_PARAM_IS_AUTOMATABLE_PER_NOTE_ID;
+  constexpr std::uint32_t kOfNotes =
+      CLAP_PARAM_IS_MODULATABLE | CLAP_PARAM_IS_MODULATABLE_PER_NOTE_ID | CLAP_PARAM_IS_AUTOMATABLE_PER_NOTE_ID;
   EXPECT_EQ(plugin->flags(kFingers) & kOfNotes, kOfNotes);
   EXPECT_EQ(plugin->flags("bend") & kOfNotes, std::uint32_t(CLAP_PARAM_IS_MODULATABLE));
   EXPECT_EQ(plugin->flags("volume") & kOfNotes, 0u);
@@ -174,6 +189,75 @@ TEST(Clap, IsTunedByExclusiveMessages) {
   const auto sound = expected->run(kBlocks * kBlock);
   expect_same(clap->run(kBlocks), sound);
   expect_same(vst3->run(kBlocks), sound);
+}
+
+// By parameters of its own, whatever the format: against the class, whose keys are tuned so; a wheel by the bend
+// range.
+class TunedPlugin : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(InEveryFormat, TunedPlugin, ::testing::Values("clap", "vst3", "lv2"));
+
+TEST_P(TunedPlugin, TunesKeysByItsParameters) {
+  const auto plugin = open_plugin(GetParam(), "lap_steel", kRate);
+  const auto expected = reference("lap_steel");
+  plugin->set("bend range", 12);
+  plugin->set("pitch of A4", 415);
+  plugin->set("temperament", 4);
+  plugin->set("tonic", 2);
+  plugin->send(0, {0x90, 60, 100});
+  expected->hosted().set_bend_range(12);
+  expected->hosted().tune(tempered_keys(kTemperaments[4], 2, 415));
+  expected->midi(std::array<std::uint8_t, 3>{0x90, 60, 100});
+  const auto played = plugin->run(kBlocks);
+  expect_same(played, expected->run(kBlocks * kBlock));
+  const auto plain = reference("lap_steel");
+  plain->midi(std::array<std::uint8_t, 3>{0x90, 60, 100});
+  expect_differs(played, plain->run(kBlocks * kBlock));
+  plugin->send(0, {0xe0, 0, 0});
+  expected->midi(std::array<std::uint8_t, 3>{0xe0, 0, 0});
+  expect_same(plugin->run(kBlocks), expected->run(kBlocks * kBlock));
+
+  const auto restored = open_plugin(GetParam(), "lap_steel", kRate);
+  restored->restore(plugin->save());
+  for (HostedPlugin* const one : {plugin.get(), restored.get()}) {
+    EXPECT_EQ(one->value("temperament"), 4);
+    EXPECT_EQ(one->value("tonic"), 2);
+    EXPECT_EQ(one->value("pitch of A4"), 415);
+    EXPECT_EQ(one->value("bend range"), 12);
+  }
+}
+
+// A value is held to its range, that of a list to its entries.
+TEST(Clap, HoldsValuesOfItsTuning) {
+  const auto plugin = open_clap("piano");
+  plugin->set("temperament", 2.4);
+  plugin->set("tonic", 1000);
+  plugin->set("bend range", -1);
+  plugin->set("pitch of A4", std::nan(""));
+  (void)plugin->run(1);
+  EXPECT_EQ(plugin->value("temperament"), 2);
+  EXPECT_EQ(plugin->value("tonic"), 11);
+  EXPECT_EQ(plugin->value("bend range"), 0);
+  EXPECT_EQ(plugin->value("pitch of A4"), 440);
+}
+
+// A program that tunes the session (mts_stub.cpp), from the next note on; keys that it leaves out do not sound; once
+// it leaves, all is as before.
+TEST_P(TunedPlugin, FollowsMtsEsp) {
+  MtsStub& stub = mts_stub();
+  const auto plugin = open_plugin(GetParam(), "lap_steel", kRate);
+  EXPECT_EQ(stub.clients(), 1);
+  const auto expected = reference("lap_steel");
+  stub.tune(60, 270);
+  stub.leave_out(62);
+  stub.has_master(true);
+  for (const std::uint8_t key : {std::uint8_t(60), std::uint8_t(62)}) plugin->send(0, {0x90, key, 100});
+  expected->hosted().tune_key(60, 1200 * std::log2(270 / 440.0) + 900);
+  expected->midi(std::array<std::uint8_t, 3>{0x90, 60, 100});
+  expect_same(plugin->run(kBlocks), expected->run(kBlocks * kBlock));
+  stub.has_master(false);
+  plugin->send(0, {0x90, 62, 100});
+  expected->midi(std::array<std::uint8_t, 3>{0x90, 62, 100});
+  expect_same(plugin->run(kBlocks), expected->run(kBlocks * kBlock));
 }
 
 TEST(Clap, SaysThatItTakesNotesByNameAndMpe) {

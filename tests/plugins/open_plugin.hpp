@@ -54,6 +54,10 @@ class PluginTest : public ::testing::TestWithParam<InFormat> {
 };
 
 /// What every plug-in has behind the parameters of its instrument, and behind its readings.
+inline const std::vector<HostedParameter> kTuning = {{"bend range", "semitones", 0, 96, 2},
+                                                     {"pitch of A4", "Hz", 380, 500, 440},
+                                                     {"temperament", "", 0, 7, 0},
+                                                     {"tonic", "", 0, 11, 0}};
 inline const HostedParameter kOversampling = {"oversampling", "", 1, 8, 1};
 inline const HostedParameter kLatency = {"latency", "samples", 0, 38, 0};
 

@@ -119,7 +119,18 @@ class Hosted {
   }
 
   /// Tunes the keys by a table for the notes that begin from now on; tuning messages of MIDI go on from there.
-  void tune(const KeyCents& cents) { midi_.tune(tuned(midi_settings(instrument()), cents)); }
+  void tune(const KeyCents& cents) {
+    MidiSettings settings = tuned(midi_settings(instrument()), cents);
+    settings.bend_range = midi_.settings().bend_range;
+    midi_.tune(settings);
+  }
+
+  /// Tunes one key for the notes that begin from now on [cents above its own pitch]; not a number: it does not sound.
+  void tune_key(int key, double cents) { midi_.tune_key(key, cents); }
+  /// How far wheels bend [semitones], until messages say otherwise.
+  void set_bend_range(double semitones) {
+    midi_.set_bend_range(semitones, [this](const MidiEvent& event) { take(event); });
+  }
 
   /// Moves all parameters to those of a preset.
   void load(std::size_t preset) {

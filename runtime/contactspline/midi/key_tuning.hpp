@@ -26,6 +26,8 @@ struct MidiSettings {
   double max_own_cents = std::numeric_limits<double>::infinity();
   /// Until messages tune the keys otherwise.
   KeyCents key_cents{};
+  /// Of the wheels at first, and after a reset: semitones and cents, as MIDI has them.
+  int bend_range = 2 << 7;
 };
 
 /// A key of an instrument, and how far a note on it is tuned [cents].

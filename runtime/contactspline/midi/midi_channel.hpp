@@ -82,6 +82,7 @@ class MidiKeyTuning {
   MidiKeyTuning() = default;
   explicit MidiKeyTuning(const KeyCents& keys) : keys_(keys) {}
 
+  void tune(std::size_t key, double cents) { keys_[key] = cents; }
   /// Of a key, beside that of all keys; not a number if it does not sound.
   [[nodiscard]] double cents(int key) const { return keys_[static_cast<std::size_t>(key)]; }
   [[nodiscard]] double master() const { return midi_cents(fine_, 100) + 100 * (coarse_ - 64); }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -141,6 +142,22 @@ class MidiInterpreter {
   void tune(const MidiSettings& settings) {
     settings_ = settings;
     tuning_.tune(settings_.key_cents);
+  }
+
+  [[nodiscard]] const MidiSettings& settings() const { return settings_; }
+
+  /// Tunes one key for the notes that begin from now on; not a number: it does not sound.
+  void tune_key(int key, double cents) { tuning_.tune(static_cast<std::size_t>(key), cents); }
+
+  /// The bend range of all channels that are in no MPE zone, 0 to 96 semitones, in steps of a cent; messages may
+  /// change it.
+  template <typename Sink>
+  void set_bend_range(double semitones, Sink&& sink) {
+    const int cents = static_cast<int>(std::lround(100 * std::clamp(semitones, 0.0, 96.0)));
+    settings_.bend_range = cents / 100 << 7 | cents % 100;
+    for (int channel = 0; channel < kChannels; ++channel)
+      if (!is_in_zone(channel)) at(channel).bend_range = settings_.bend_range;
+    tell_bends(sink);
   }
 
   /// Lets all notes go that are held, as if the instrument had been brought to rest. Channels keep their state.
@@ -391,7 +408,7 @@ class MidiInterpreter {
       const bool is_member = master_of(c) >= 0;
       if (!is_member && !were[static_cast<std::size_t>(c)] && c != channel) continue;
       end_notes(c, sink);
-      at(c).bend_range = (is_member ? 48 : 2) << 7;
+      at(c).bend_range = is_member ? 48 << 7 : settings_.bend_range;
       at(c).wheel = 0x2000;
     }
     tell_bends(sink);
@@ -425,6 +442,7 @@ class MidiInterpreter {
 
   void forget() {
     channels_.fill({});
+    for (MidiChannel& channel : channels_) channel.bend_range = settings_.bend_range;
     tuning_ = MidiKeyTuning(settings_.key_cents);
     lower_ = upper_ = 0;
     drop_notes();
