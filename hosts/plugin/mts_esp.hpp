@@ -27,7 +27,7 @@ class MtsLibrary {
   void (*add_client)() = nullptr;
   void (*remove_client)() = nullptr;
   bool (*has_master)() = nullptr;
-  const double* (*table_hz)() = nullptr;          ///< of the 128 keys
+  const double* (*table_hz)() = nullptr;              ///< of the 128 keys
   bool (*filters)(char key, char channel) = nullptr;  ///< does a key not sound?
 
   [[nodiscard]] bool is_there() const {

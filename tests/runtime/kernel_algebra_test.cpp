@@ -139,6 +139,51 @@ TYPED_TEST(KernelAlgebra, MultiplyByAForm) {
   }
 }
 
+// Modes whose frequencies change, beside a bank that has been made with the new ones and moves as they do: from 0 Hz
+// to half the sample rate, more modes than a call has. A decay that changes takes another way. Sines of 3 units in
+// the last place, and the quotients behind them; near half the rate the cosine has lost pi/2 over itself.
+TYPED_TEST(KernelAlgebra, RetuneModes) {
+  using T = TypeParam;
+  constexpr double kRate = 44100;
+  Random random(6);
+  for (const std::int64_t target : targets()) {
+    const OnlyTarget only(target);
+    for (const std::size_t size : {1u, 3u, 64u, 70u})
+      for (const bool is_decay_new : {false, true}) {
+        std::vector<Mode> before, after;
+        for (std::size_t i = 0; i < size; ++i) {
+          const auto frequency = [&] { return i == 0 ? 0 : 2 * std::numbers::pi * random.between(20, 21000); };
+          before.push_back({frequency(), random.between(0.1, 100), random.between(0.001, 0.01)});
+          after.push_back({frequency(), before[i].decay_per_s * (is_decay_new ? 2 : 1), before[i].mass_kg});
+        }
+        if (size > 2) after[2].angular_frequency_rad_per_s = std::numbers::pi * kRate;
+        ModalBank<T> bank(before, kRate), expected(after, kRate);
+        std::vector<T> velocities(size);
+        ModeShapes<T> one(size);
+        for (std::size_t i = 0; i < size; ++i) {
+          const T q = static_cast<T>(random.between(-1e-3, 1e-3));
+          velocities[i] = static_cast<T>(random.between(-1, 1));
+          bank.set_motion(i, q, velocities[i]);
+          expected.set_motion(i, q, velocities[i]);
+        }
+        bank.retune(after);
+        for (std::size_t i = 0; i < size; ++i) {
+          const bool sounds = i != 2;
+          const double cosine = std::cos(after[i].angular_frequency_rad_per_s / kRate / 2),
+                       eps = std::max(double(std::numeric_limits<T>::epsilon()), 1e-15 / (sounds ? cosine : 1));
+          ASSERT_TRUE(relatively_within(double(bank.admittance(i)), double(expected.admittance(i)), 4 * eps)) << i;
+          ASSERT_EQ(bank.displacement(i), sounds ? expected.displacement(i) : 0) << i;
+          // A displacement of 1 mm and a speed of 1 m/s both move less than 1 mm a sample.
+          const double moved = sounds ? double(expected.free_increments()[i]) : 0;
+          ASSERT_TRUE(within(double(bank.free_increments()[i]), moved, 20 * eps * 2e-3)) << size << ' ' << i;
+          if (sounds) {
+            ASSERT_TRUE(relatively_within(bank.energy(i), expected.energy(i), 100 * eps)) << i;
+          }
+        }
+      }
+  }
+}
+
 // Positive definite systems of every size up to 40: what was multiplied by the matrix comes back.
 TYPED_TEST(KernelAlgebra, SolvePositiveDefiniteSystems) {
   using T = TypeParam;

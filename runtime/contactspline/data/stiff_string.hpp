@@ -172,12 +172,20 @@ template <typename Row>
   return w * w + decay * decay - string.bending_stiffness_n_m2 * std::pow(beta, 4) * string.length_m / string.mass_kg;
 }
 
+/// By how much a tension grows that detunes its string by `cents`, as a ratio.
+[[nodiscard]] inline double tension_change(double cents) {
+  return std::expm1(cents / 600 * std::numbers::ln2);
+}
+/// The mode whose w^2 gains so much [1/s^2]. Frequency 0 if it no longer oscillates.
+[[nodiscard]] inline Mode retuned_by(const Mode& mode, double square) {
+  const double w = mode.angular_frequency_rad_per_s;
+  return {std::sqrt((std::max)(0.0, w * w + square)), mode.decay_per_s, mode.mass_kg};
+}
+
 /// The mode after a change of tension that detunes its string by `cents`: w0^2 gains (T' - T) beta^2/mu. square:
 /// T beta^2/mu [1/s^2]. Frequency 0 if it no longer oscillates.
 [[nodiscard]] inline Mode retuned(const Mode& mode, double square, double cents) {
-  const double w = mode.angular_frequency_rad_per_s;
-  const double tuned = w * w + std::expm1(cents / 600 * std::numbers::ln2) * square;
-  return {std::sqrt((std::max)(0.0, tuned)), mode.decay_per_s, mode.mass_kg};
+  return retuned_by(mode, tension_change(cents) * square);
 }
 
 /// The same of a mode of a string. The tension T is that of the string that the mode belongs to, detuned or not. Row:

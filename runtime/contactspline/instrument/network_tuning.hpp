@@ -91,7 +91,7 @@ class NetworkTuning {
   }
 
  private:
-  static constexpr std::size_t kStep = 16;  // samples
+  static constexpr std::size_t kStep = 64;  // samples
 
   struct String {
     std::size_t body, begin, end;  // modes
@@ -115,8 +115,8 @@ class NetworkTuning {
   }
 
   void retune(ContactNetwork<T>& network, const String& string) {
-    for (std::size_t i = string.begin; i < string.end; ++i)
-      tuned_[i] = retuned(modes_[i], squares_[i], string.bend.cents());
+    const double change = tension_change(string.bend.cents());
+    for (std::size_t i = string.begin; i < string.end; ++i) tuned_[i] = retuned_by(modes_[i], change * squares_[i]);
     network.retune(string.body, std::span<const Mode>(tuned_).subspan(string.begin, string.end - string.begin));
   }
 

@@ -12,8 +12,8 @@
 
 namespace contactspline {
 
-/// A temperament by its fifths: that on C, that on the G above it, and so on to that on F. Each is narrower than 3/2 by
-/// a part of the Pythagorean comma and a part of the syntonic one; all twelve together by one Pythagorean comma.
+/// A temperament by its fifths: that on C, that on the G above it, and so on to that on F. Each is narrower than 3/2
+/// by a part of the Pythagorean comma and a part of the syntonic one; all twelve together by one Pythagorean comma.
 struct Temperament {
   const char* name;
   std::array<double, 12> of_pythagorean, of_syntonic;
@@ -22,8 +22,8 @@ struct Temperament {
 inline const double kPythagoreanComma_cents = 1200 * std::log2(std::pow(3.0, 12) / std::pow(2.0, 19));
 inline const double kSyntonicComma_cents = 1200 * std::log2(81.0 / 80);
 
-/// Sources: J. M. Barbour, Tuning and Temperament (1951); Werckmeister 1691, Kirnberger 1779, Vallotti as Barbour has it,
-/// Young's second of 1800; just intonation with 45/32 and 9/5. The wolf of the first ones is on G sharp.
+/// Sources: J. M. Barbour, Tuning and Temperament (1951); Werckmeister 1691, Kirnberger 1779, Vallotti as Barbour has
+/// it, Young's second of 1800; just intonation with 45/32 and 9/5. The wolf of the first ones is on G sharp.
 inline constexpr std::array<Temperament, 8> kTemperaments = {{
     {"equal",
      {1. / 12, 1. / 12, 1. / 12, 1. / 12, 1. / 12, 1. / 12, 1. / 12, 1. / 12, 1. / 12, 1. / 12, 1. / 12, 1. / 12},
@@ -39,8 +39,8 @@ inline constexpr std::array<Temperament, 8> kTemperaments = {{
     {"Young", {1. / 6, 1. / 6, 1. / 6, 1. / 6, 1. / 6, 1. / 6}, {}},
 }};
 
-/// Cents of all keys above equal temperament at 440 Hz: in a temperament whose C is `tonic`, 0 (C) to 11 (B), with A4 at
-/// a pitch [Hz].
+/// Cents of all keys above equal temperament at 440 Hz: in a temperament whose C is `tonic`, 0 (C) to 11 (B), with A4
+/// at a pitch [Hz].
 [[nodiscard]] inline KeyCents tempered_keys(const Temperament& temperament, std::size_t tonic, double a4_hz) {
   std::array<double, 12> above_equal{};  // of each degree
   double cents = 0;

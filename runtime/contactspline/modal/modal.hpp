@@ -206,15 +206,8 @@ class ModalBank {
   void retune(std::span<const Mode, Modes> modes) {
     for (const auto& [w, decay, mass] : modes)
       if (const double values[] = {w, decay, mass}; !all_finite(std::span<const double>(values))) return;
-    for (std::size_t i = 0; i < size(); ++i) {
-      const T q = displacement_[i];
-      const auto [of_displacement, of_free_increment] = exact_velocity_gains(constants_[i]);
-      const auto velocity =
-          static_cast<T>(of_free_increment * double(free_increment_[i]) + of_displacement * double(q));
-      set(i, modes[i]);
-      const bool sounds = constants_[i].admittance > 0;
-      set_motion(i, sounds ? q : T(0), sounds ? velocity : T(0));
-    }
+    for (std::size_t begin = 0; begin < size(); begin += detail::RetunedModes::kMax)
+      retune_some(begin, (std::min)(size() - begin, detail::RetunedModes::kMax), modes.data() + begin);
   }
 
   /// Ends the sample: updates displacements and free increments.
@@ -340,8 +333,62 @@ class ModalBank {
     return {mode.velocity_gain * one_minus_real - mode.decay_per_s, mode.velocity_gain};
   }
 
+  // Where a decay changes, or takes so much that 1 - loss has lost digits, each mode has exponential functions of its
+  // own; else a kernel retunes some together.
+  void retune_some(std::size_t begin, std::size_t count, const Mode* modes) {
+    constexpr double kMaxLoss = 0.5;
+    detail::RetunedModes retuned;
+    retuned.time_step_s = 1 / sample_rate_hz_;
+    retuned.modes = count;
+    bool are_kept = true;
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::size_t i = begin + k;
+      const detail::ModeConstants& before = constants_[i];
+      are_kept = are_kept && before.decay_per_s == modes[k].decay_per_s && before.loss < kMaxLoss;
+      retuned.angular_frequency_rad_per_s[k] = modes[k].angular_frequency_rad_per_s;
+      retuned.decay_per_s[k] = modes[k].decay_per_s;
+      retuned.mass_kg[k] = modes[k].mass_kg;
+      retuned.loss[k] = before.loss;
+      retuned.stiffness[k] = before.stiffness;
+      retuned.velocity_gain[k] = before.velocity_gain;
+      retuned.displacement[k] = double(displacement_[i]);
+      retuned.free_increment[k] = double(free_increment_[i]);
+    }
+    if (!are_kept) {
+      for (std::size_t k = 0; k < count; ++k) retune_alone(begin + k, modes[k]);
+      return;
+    }
+    detail::kernels<T>.retune(retuned);
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::size_t i = begin + k;
+      take(i, modes[k],
+           {.stiffness = retuned.stiffness[k],
+            .loss = retuned.loss[k],
+            .admittance = retuned.admittance[k],
+            .averaging_factor = retuned.averaging_factor[k],
+            .one_plus_z_square = retuned.one_plus_z_square[k],
+            .velocity_gain = retuned.velocity_gain[k],
+            .decay_per_s = modes[k].decay_per_s});
+      free_increment_[i] = static_cast<T>(retuned.free_increment[k]);
+      if (!(constants_[i].admittance > 0)) set_motion(i, 0, 0);
+    }
+  }
+
+  void retune_alone(std::size_t i, const Mode& mode) {
+    const T q = displacement_[i];
+    const auto [of_displacement, of_free_increment] = exact_velocity_gains(constants_[i]);
+    const auto velocity =
+        static_cast<T>(of_free_increment * double(free_increment_[i]) + of_displacement * double(q));
+    set(i, mode);
+    const bool sounds = constants_[i].admittance > 0;
+    set_motion(i, sounds ? q : T(0), sounds ? velocity : T(0));
+  }
+
   constexpr void set(std::size_t i, const Mode& mode) {
-    detail::ModeConstants& constants = constants_[i] = detail::mode_constants(mode, sample_rate_hz_);
+    take(i, mode, detail::mode_constants(mode, sample_rate_hz_));
+  }
+  constexpr void take(std::size_t i, const Mode& mode, const detail::ModeConstants& computed) {
+    detail::ModeConstants& constants = constants_[i] = computed;
     // A mode above half the sample rate would sound at a wrong pitch. As in contactspline_modal.lib, no force drives
     // it.
     if (!(mode.angular_frequency_rad_per_s < std::numbers::pi * sample_rate_hz_)) constants.admittance = 0;

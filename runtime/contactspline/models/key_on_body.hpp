@@ -58,8 +58,10 @@ struct SoundingKey {
   struct Row {
     Mode mode;
     double wavenumber_per_m;
-    std::size_t string;    // one more than the last: the horizontal motion of all strings
-    double bridge_weight;  // of bridge_shape()
+    std::size_t string;               // one more than the last: the horizontal motion of all strings
+    double bridge_weight;             // of bridge_shape()
+    double tension_square = 0;        // square_by_tension()
+    double bridge_per_stiffness = 0;  // what at_bridge() is for each N/m of the mode
   };
 
   SoundingKey(const KeyOnBody<T>& key, std::vector<Row> sorted, double sample_rate_hz)
@@ -108,6 +110,11 @@ struct SoundingKey {
       add(std::accumulate(detuning.begin(), detuning.end(), 0.0) / count + key.horizontal.cents,
           key.bridge_ratio * key.horizontal.bridge_ratio * std::sqrt(count), detuning.size(),
           (std::min)(max_frequency_hz, kSympathy_hz));
+    for (Row& row : rows) {
+      row.tension_square = square_by_tension(key.strings, row);
+      row.bridge_per_stiffness =
+          row.bridge_weight * bridge_shape(key.strings, row) / contactspline::stiffness_of(row.mode);
+    }
     std::ranges::stable_sort(rows, {}, [](const Row& row) {
       return std::pair(row.wavenumber_per_m, row.mode.angular_frequency_rad_per_s);
     });
@@ -155,14 +162,26 @@ struct SoundingKey {
     struck_part = -1;
   }
 
+  // Energy that its tension stores in its first modes, at the pitch of the key [J].
+  [[nodiscard]] double tension_energy() const {
+    double sum = 0;
+    for (std::size_t i = 0; i < modes; ++i) {
+      const double q = double(model.string().displacement(i));
+      sum += rows[i].mode.mass_kg * rows[i].tension_square * q * q / 2;
+    }
+    return sum;
+  }
+
   // Takes the tension of its bend. A mode rests per displacement of the bridge where it did before.
   void retune() {
     if (tuned_cents == bend.cents()) return;
     tuned_cents = bend.cents();
-    for (std::size_t i = 0; i < rows.size(); ++i) tuned[i] = retuned(string, rows[i], tuned_cents);
+    const double change = tension_change(tuned_cents);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      tuned[i] = retuned_by(rows[i].mode, change * rows[i].tension_square);
     model.retune(tuned);
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      bridge.shapes[i] = at_bridge(string, rows[i], tuned[i]);
+      bridge.shapes[i] = static_cast<T>(rows[i].bridge_per_stiffness * contactspline::stiffness_of(tuned[i]));
       bridge.rests[i] = static_cast<T>(model.string().compliance(i) * double(bridge.shapes[i]));
     }
     sum_stiffness();

@@ -189,6 +189,7 @@ class KeyboardOnBody {
   static constexpr std::size_t kLine = Key::kLine;
   static constexpr ControlRange<double> kPedal{0, 1};
   static constexpr std::size_t kCheckInterval = 32;  // samples, after each of which one key is checked
+  static constexpr std::size_t kBendStep = 64;       // samples, after which strings follow their bends
   static constexpr double kSilence_j = 1e-17;        // 130 dB below the blow of a C4 hammer at 0.4 m/s
   // What may leave, as a fraction of all energy: of a key that is damped, and of one that rings.
   static constexpr double kDampedFraction = 1e-7, kRingingFraction = 1e-12;
@@ -237,7 +238,8 @@ class KeyboardOnBody {
       clock_ = 0;
       for (const std::size_t key : bridge_.awake())
         bridge_.key(key).is_struck = bridge_.key(key).model.is_hammer_flying();
-      for (Key& key : bridge_.keys()) follow_bend(key);
+      if (samples_ % kBendStep < kCheckInterval)
+        for (Key& key : bridge_.keys()) follow_bend(key);
       check();
     }
   }

@@ -85,9 +85,7 @@ class KeysOnBridge {
   void follow_bend(Key& key, double now_s) {
     const double before = key.bend.cents(), w = double(body_.displacement(key.bridge_place));
     if (key.cents == before) return;
-    const double energy = tension_energy(key.string, std::span<const typename Key::Row>(key.rows).first(key.modes),
-                                         key.model.string()) +
-                          key.ends_n_per_m * w * w / 2;
+    const double energy = key.tension_energy() + key.ends_n_per_m * w * w / 2;
     if (!key.bend.follow(key.cents, energy, now_s)) return;
     const double change = std::exp2(key.bend.cents() / 600) - std::exp2(before / 600);
     body_.retune({key.ends_n_per_m * change, 0}, 0, key.bridge_place);

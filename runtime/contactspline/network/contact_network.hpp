@@ -104,7 +104,7 @@ class ContactNetwork {
   void retune(std::size_t body, std::span<const Mode> modes) {
     parts_.bodies[body].bank.retune(modes);
     parts_.bodies[body].take_motion();
-    admittances_.measure(parts_, body);
+    admittances_.measure_frequencies(parts_, body);
     admittances_.measure_roots(parts_);
     is_coupling_old_ = true;
     place_all();

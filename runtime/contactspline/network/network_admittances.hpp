@@ -47,6 +47,29 @@ class NetworkAdmittances {
     if (!moved) measure_bounds(parts, b);
   }
 
+  /// Measures a body anew whose frequencies have changed: shapes stay, and what is largest of them.
+  void measure_frequencies(NetworkParts<T>& parts, std::size_t b) {
+    NetworkBody<T>& body = parts.bodies[b];
+    const std::size_t modes = body.bank.size();
+    double* admittance = body.admittances.data();
+    for (std::size_t i = 0; i < body.connections.size(); ++i)
+      for (std::size_t j = 0; j <= i; ++j, ++admittance) {
+        const double *first = body.shapes.data() + i * modes, *second = body.shapes.data() + j * modes;
+        *admittance = detail::sum_of<double>(
+            modes, [&](std::size_t n) { return double(body.bank.admittance(n)) * first[n] * second[n]; });
+      }
+    for (const std::size_t p : body.places) {
+      parts.places[p].measure(body.bank);
+      for (const std::size_t q : body.places) {
+        if (q < p) continue;
+        const T both = body.bank.admittance(parts.places[p].shapes, parts.places[q].shapes);
+        of_places_[p * parts.places.size() + q] = of_places_[q * parts.places.size() + p] = both;
+      }
+    }
+    body.total_admittance =
+        detail::sum_of<double>(modes, [&](std::size_t n) { return double(body.bank.admittance(n)); });
+  }
+
   /// Measures the roots of the connections' admittances without damping, the largest ones where a place moves.
   void measure_roots(NetworkParts<T>& parts) {
     for (NetworkConnection<T>& c : parts.connections) c.own_admittance = 0;

@@ -150,6 +150,22 @@ struct ModeRow {
 /// of a page.
 inline constexpr std::size_t kRowsPerLine = 9;
 
+/// Some modes whose frequencies change between two samples, in double precision; names as in Mode and ModeConstants.
+/// What is behind the last one, to the end of the arrays, is any number.
+struct RetunedModes {
+  static constexpr std::size_t kMax = 64;
+  using Array = double[kMax];
+
+  double time_step_s;
+  std::size_t modes;
+  // What they have from now on.
+  alignas(64) Array angular_frequency_rad_per_s, decay_per_s, mass_kg, loss;
+  // What they had before, and have then: displacement, velocity, decay and loss stay.
+  alignas(64) Array stiffness, velocity_gain, displacement, free_increment;
+  // What they have then.
+  alignas(64) Array admittance, averaging_factor, one_plus_z_square;
+};
+
 /// State of a hammer from its throw until it is stopped.
 template <std::floating_point T>
 struct HammerState {

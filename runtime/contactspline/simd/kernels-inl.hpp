@@ -14,6 +14,8 @@
 #define HWY_TARGET_INCLUDE "contactspline/simd/kernels-inl.hpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+// After the one that it needs.
+#include <hwy/contrib/math/math-inl.h>
 
 // NOLINTBEGIN(misc-definitions-in-headers): each including file defines these for a Sample of its own.
 HWY_BEFORE_NAMESPACE();
@@ -41,7 +43,8 @@ Kernels<Sample> kernels_here() {
           .sum_free_increments = sum_free_increments_here,
           .advance_under_forces = advance_under_forces_here,
           .advance_stretching = advance_stretching_here,
-          .multiply_form = multiply_form_here};
+          .multiply_form = multiply_form_here,
+          .retune = retune_here};
 }
 
 }  // namespace

@@ -72,6 +72,9 @@ struct Kernels {
   /// product = matrix q, of the modes of a form that has products of two modes.
   void (*multiply_form)(const FormBlocks<T>& matrix, const T* q, T* product);
 
+  /// The constants and the motion of modes whose frequencies change.
+  void (*retune)(RetunedModes& modes);
+
   /// Are these the kernels of ContactSpline::simd?
   [[nodiscard]] bool are_vectorised() const { return process_struck != nullptr; }
 };
@@ -83,7 +86,8 @@ inline constexpr Kernels<T> kPortableKernels = {.advance_on_bridge = portable::a
                                                 .sum_shifted_products = portable::sum_shifted_products<T>,
                                                 .solve_positive_definite = portable::solve_positive_definite<T>,
                                                 .advance_stretching = portable::advance_stretching<T>,
-                                                .multiply_form = portable::multiply_form<T>};
+                                                .multiply_form = portable::multiply_form<T>,
+                                                .retune = portable::retune};
 
 /// The kernels of this program or shared library, whichever of its files calls them. They change before main()
 /// begins, or never.

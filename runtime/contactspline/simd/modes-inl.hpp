@@ -246,6 +246,39 @@ HWY_INLINE void multiply_form_here(const FormBlocks<Sample>& matrix, const Sampl
   }
 }
 
+/// As portable::retune.
+HWY_INLINE void retune_here(RetunedModes& m) {
+  const Tag<double> tag;
+  const auto one = hn::Set(tag, 1.0), half = hn::Set(tag, 0.5), four = hn::Set(tag, 4.0);
+  const auto dt = hn::Set(tag, m.time_step_s);
+  for (std::size_t i = 0; i < m.modes; i += hn::Lanes(tag)) {
+    const auto w = hn::Load(tag, m.angular_frequency_rad_per_s + i), decay = hn::Load(tag, m.decay_per_s + i);
+    const auto loss = hn::Load(tag, m.loss + i), q = hn::Load(tag, m.displacement + i);
+    const auto before = hn::Mul(half, hn::Add(loss, hn::Load(tag, m.stiffness + i)));
+    const auto velocity =
+        hn::Mul(hn::Load(tag, m.velocity_gain + i), hn::MulAdd(before, q, hn::Load(tag, m.free_increment + i)));
+    const auto decay_factor = hn::Sqrt(hn::Sub(one, loss)), decay_loss = hn::Div(loss, hn::Add(one, decay_factor));
+    const auto angle = hn::Mul(half, hn::Mul(w, dt));
+    const auto sine = hn::Sin(tag, angle), cosine = hn::Cos(tag, angle);
+    const auto phase_square = hn::Mul(hn::MulAdd(w, w, hn::Mul(decay, decay)), hn::Mul(dt, dt));
+    const auto loss_square = hn::Mul(decay_loss, decay_loss), scale = hn::Mul(four, decay_factor);
+    const auto stiffness = hn::MulAdd(scale, hn::Mul(sine, sine), loss_square);
+    const auto averaging = hn::IfThenElse(hn::Gt(phase_square, hn::Zero(tag)), hn::Div(stiffness, phase_square), one);
+    const auto rate =
+        hn::IfThenElse(hn::Gt(w, hn::Zero(tag)), hn::Div(w, hn::Add(hn::Mul(sine, cosine), hn::Mul(sine, cosine))),
+                       hn::Div(one, dt));
+    const auto gain = hn::Div(rate, decay_factor);
+    hn::Store(stiffness, tag, m.stiffness + i);
+    hn::Store(averaging, tag, m.averaging_factor + i);
+    hn::Store(hn::Div(hn::Mul(half, hn::Mul(averaging, hn::Mul(dt, dt))), hn::Load(tag, m.mass_kg + i)), tag,
+              m.admittance + i);
+    hn::Store(hn::MulAdd(scale, hn::Mul(cosine, cosine), loss_square), tag, m.one_plus_z_square + i);
+    hn::Store(gain, tag, m.velocity_gain + i);
+    hn::Store(hn::NegMulAdd(hn::Mul(half, hn::Add(loss, stiffness)), q, hn::Div(velocity, gain)), tag,
+              m.free_increment + i);
+  }
+}
+
 /// A vector of a column, 0 in the lanes up to that of the diagonal.
 template <typename T>
 HWY_INLINE Vector<T> below_diagonal(std::size_t diagonal, const T* column) {

@@ -273,6 +273,24 @@ void multiply_form(const FormBlocks<T>& matrix, const T* __restrict q, T* __rest
   }
 }
 
+/// Of a sample: decay_factor = |z|, decay_loss = 1 - |z|, without cancellation; see mode_constants().
+inline void retune(RetunedModes& m) {
+  const double dt = m.time_step_s;
+  for (std::size_t i = 0; i < m.modes; ++i) {
+    const double w = m.angular_frequency_rad_per_s[i], decay = m.decay_per_s[i], q = m.displacement[i];
+    const double velocity = m.velocity_gain[i] * (m.free_increment[i] + (m.loss[i] + m.stiffness[i]) / 2 * q);
+    const double decay_factor = std::sqrt(1 - m.loss[i]), decay_loss = m.loss[i] / (1 + decay_factor);
+    const double sine = std::sin(w * dt / 2), cosine = std::cos(w * dt / 2);
+    const double phase_square = (w * w + decay * decay) * dt * dt;
+    m.stiffness[i] = decay_loss * decay_loss + 4 * decay_factor * sine * sine;
+    m.averaging_factor[i] = phase_square > 0 ? m.stiffness[i] / phase_square : 1;
+    m.admittance[i] = m.averaging_factor[i] * dt * dt / (2 * m.mass_kg[i]);
+    m.one_plus_z_square[i] = decay_loss * decay_loss + 4 * decay_factor * cosine * cosine;
+    m.velocity_gain[i] = (w > 0 ? w / (2 * sine * cosine) : 1 / dt) / decay_factor;
+    m.free_increment[i] = velocity / m.velocity_gain[i] - (m.loss[i] + m.stiffness[i]) / 2 * q;
+  }
+}
+
 template <std::floating_point T>
 void advance_stretching(const ModalArrays<T>& modes, const SquareForm<T>& form, T* sums) {
   commit_over_two_samples(modes.modes, modes.stiffness, modes.stiffness_rest, modes.loss, form.motion, form.moved_by,
