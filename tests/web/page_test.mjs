@@ -284,7 +284,7 @@ const casesOfOnePage = {
       await page.selectOption("#instrument", instrument);
       const { at, count, near, far, later } = await page.evaluate(([radius, speed, struck]) => {
         const { stage } = contactSpline.page;
-        const surfaces = stage.items.filter(({ kind }) => kind === "surface");
+        const surfaces = stage.discs; // the upper one first
         const { column, points } = surfaces[0];
         const hammer = stage.items.find(({ kind }) => kind === "hammer");
         const first = hammer.compressions.findIndex((compression) => compression > 0);
@@ -305,6 +305,57 @@ const casesOfOnePage = {
       console.log(`  ${instrument}: opposite to the strike ${(far / near).toExponential(1)} of its displacement before the wave, ${(later / near).toFixed(2)} after`);
       // The air and what stretches move the whole head at once.
       assert.ok(far < 0.07 * near && later > 4 * far, `${instrument}: ${near} m at the strike, ${far} m opposite before the wave, ${later} m after`);
+    }
+  },
+
+  async "a gong is a plate, which the beater meets where the file has it"(page) {
+    await page.selectOption("#instrument", "gong");
+    const { at, apart, rim, middle, shape, isPlate } = await page.evaluate(() => {
+      const { stage } = contactSpline.page;
+      const { study } = stage;
+      const plate = stage.items.find(({ kind }) => kind === "surface");
+      const beater = stage.items.find(({ kind }) => kind === "hammer");
+      // Between two rings, on the line from the middle to the strike: the third part of the way from the second to the third.
+      const [second, third] = [1 + 13, 1 + 2 * 13];
+      let [apart, most, rim, middle] = [0, 0, 0, 0];
+      for (let i = 0; i < study.frames; ++i) {
+        const points = study.points(i, plate.column, plate.points);
+        middle = Math.max(middle, Math.abs(points[0]));
+        rim = Math.max(rim, Math.abs(points[1 + 6 * 13 + 12]));
+        if (beater.compressions[i] <= 0) continue;
+        const part = (0.3 - 2 / 7) * 7;
+        const drawn = points[second] + (points[third] - points[second]) * part;
+        const met = beater.values[i] + beater.surface - beater.compressions[i]; // the plate where the beater is
+        [apart, most] = [Math.max(apart, Math.abs(drawn - met)), Math.max(most, Math.abs(met))];
+      }
+      return { at: beater.at, apart: apart / most, rim, middle, shape: stage.shapeOf(beater), isPlate: plate.isPlate };
+    });
+    console.log(`  the plate that is drawn is within ${(100 * apart).toFixed(1)} % of where the beater stands`);
+    assert.ok(isPlate && shape === "ball" && Math.abs(at - 0.65) < 1e-6, `${isPlate}, ${shape}, struck at ${at} of the diameter`);
+    assert.ok(apart < 0.05, `the plate is drawn ${apart} of its displacement from the beater that it meets`);
+    assert.ok(rim > 0.1 * middle, `a free rim moves: ${rim} m beside ${middle} m in the middle`);
+  },
+
+  async "instruments look like what they are"(page) {
+    const parts = { tanpura: "string", classical_guitar: "board string", fret_guitar: "stop string", lap_steel: "string weight", trichord_c4: "board hammer string string string",
+      prepared_piano: "hammer string string weight weight", marimba_tube: "ball bar tube", snare: "stick string string string surface surface", tom: "stick surface surface",
+      gong: "ball surface", kit: "stick string string string surface", violin: "board bow string string string string", cello: "board bow string string string string",
+      piano: "hammer string", hammer_on_string: "hammer string", dulcimer: "hammer string", mass_barrier: "hammer wall", slide_string: "stop string", fret_string: "stop string", slap_bass: "finger stop string" };
+    const all = await page.evaluate(() => [...contactSpline.page.instruments.keys()]);
+    assert.deepEqual(Object.keys(parts).toSorted(), all.toSorted(), "a line for each instrument");
+    for (const [instrument, expected] of Object.entries(parts)) {
+      await page.selectOption("#instrument", instrument);
+      const { kinds, bridge, count, apart } = await page.evaluate(() => {
+        const { stage } = contactSpline.page;
+        const kinds = stage.items.map((item) => (item.kind === "hammer" ? stage.shapeOf(item) : item.kind)).filter((kind) => kind !== "touch");
+        const rows = stage.items.filter(({ kind }) => kind === "string").map((item) => stage.slotOf(stage.box, item).middle);
+        return { kinds, bridge: Boolean(stage.bridge), count: stage.string?.count, apart: new Set(rows).size };
+      });
+      const shown = kinds.filter((kind, k) => kind !== "stop" || (!bridge && kinds.indexOf("stop") === k)); // a row of frets once, and a bridge by itself
+      assert.deepEqual(shown.toSorted().join(" "), expected.split(" ").toSorted().join(" "), instrument);
+      assert.equal(apart, expected.split(" ").filter((kind) => kind === "string").length, `${instrument}: strings side by side`);
+      if (instrument === "piano") assert.equal(count, 3, "three strings of a unison");
+      if (instrument === "dulcimer") assert.equal(count, 2, "two strings of a course");
     }
   },
 

@@ -513,10 +513,9 @@ class Page {
   }
 
   balance({ scene, column }) {
-    const places = scene.items.some(({ kind }) => kind === "body") ? "Squares: places of the body." : "";
-    if (scene.imbalance === undefined || !(scene.work > 0)) return places;
+    if (scene.imbalance === undefined || !(scene.work > 0)) return "";
     const worst = column(scene.imbalance).reduce((max, value) => Math.max(max, Math.abs(value)), 0) / scene.work;
-    return `Energy is balanced within ${readable(worst)}. ${places}`;
+    return `Energy is balanced within ${readable(worst)}.`;
   }
 
   throwHammer({ power, place }) {
