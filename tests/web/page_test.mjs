@@ -332,7 +332,7 @@ const casesOfOnePage = {
     });
     console.log(`  the plate that is drawn is within ${(100 * apart).toFixed(1)} % of where the beater stands`);
     assert.ok(isPlate && shape === "ball" && Math.abs(at - 0.65) < 1e-6, `${isPlate}, ${shape}, struck at ${at} of the diameter`);
-    assert.ok(apart < 0.05, `the plate is drawn ${apart} of its displacement from the beater that it meets`);
+    assert.ok(apart < 0.02, `the plate is drawn ${apart} of its displacement from the beater that it meets`);
     assert.ok(rim > 0.1 * middle, `a free rim moves: ${rim} m beside ${middle} m in the middle`);
   },
 
@@ -1817,20 +1817,24 @@ const measured = {
         const threads = new Set(events.filter(({ name, args }) => name === "thread_name" && args.name === "CrRendererMain").map(({ pid, tid }) => `${pid} ${tid}`));
         return events.filter(({ name, pid, tid, tdur }) => name === "RunTask" && tdur > 0 && threads.has(`${pid} ${tid}`)).map(({ tdur }) => (4 * tdur) / 1000);
       };
-      const middle = (list, part) => list.toSorted((a, b) => a - b)[Math.floor(part * list.length)];
+      // The median and what 95 % do not exceed, of so many tasks, the longest.
       const told = {};
-      for (const instrument of ["hammer_on_string", "tom"]) {
+      const tell = (name, tasks, count) => {
+        const longest = tasks.toSorted((a, b) => b - a).slice(0, count ?? tasks.length);
+        told[name] = [0.5, 0.05].map((part) => longest[Math.floor(part * longest.length)].toFixed(1));
+      };
+      for (const instrument of ["hammer_on_string", "tom", "gong", "piano"]) {
         await page.selectOption("#instrument", instrument);
         await page.evaluate(() => contactSpline.page.strikeOnce(60));
         await page.waitForTimeout(1000);
         const tasks = await tasksOf(() => page.waitForTimeout(1500));
-        told[`a frame of ${instrument}`] = middle(tasks.filter((task) => task > 2), 0.5);
+        tell(`a frame of ${instrument}`, tasks.filter((task) => task > 2));
       }
-      for (const chapter of [1, 2, 3, 4, 5, 6, 7]) {
+      for (let chapter = 1; chapter <= (await page.locator(".chapter").count()); ++chapter) {
         await page.evaluate((chapter) => contactSpline.page.story.go(chapter), chapter);
         await page.waitForFunction((chapter) => contactSpline.page.story.chapter === chapter, chapter);
         await page.evaluate(() => contactSpline.page.story.answered);
-        const input = page.locator(`#chapter-${chapter} .control input`);
+        const input = page.locator(`#chapter-${chapter} .control input`).first();
         const { x, y, width, height } = await input.boundingBox();
         await page.mouse.move(x + 0.3 * width, y + height / 2);
         await page.mouse.down();
@@ -1846,9 +1850,9 @@ const measured = {
           }
         });
         await page.mouse.up();
-        told[`a drag in chapter ${chapter}`] = tasks.toSorted((a, b) => b - a)[10]; // each step has a task that draws
+        tell(`a drag in chapter ${chapter}`, tasks, 20); // each step has a task that draws
       }
-      for (const [name, milliseconds] of Object.entries(told)) console.log(`  ${name}: ${milliseconds.toFixed(1)} ms`);
+      for (const [name, [median, most]] of Object.entries(told)) console.log(`  ${name}: median ${median} ms, 95 % within ${most} ms`);
       await thread.detach();
     });
   },

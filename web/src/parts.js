@@ -172,32 +172,23 @@ export function drawMetalTube(context, x, top, bottom, half, air) {
   fill(context, "blue", 0.45);
 }
 
-/** The wall of a drum between the rims of its two heads, behind what stands in it. rims: [{ x, y, rx, ry }], the upper one first. */
-export function drawShellBehind(context, [upper, lower]) {
-  path(context, () => {
-    context.ellipse(upper.x, upper.y, upper.rx, upper.ry, 0, Math.PI, 2 * Math.PI);
-    context.ellipse(lower.x, lower.y, lower.rx, lower.ry, 0, 0, Math.PI, true);
-    context.closePath();
-  });
-  fill(context, "wood", 0.35);
-}
-
-/** The same before it: the wall, through which one looks, and rods that stretch the heads. */
-export function drawShellBefore(context, [upper, lower]) {
+/** The wall of a drum between the rims of its two heads, through which one looks, and the rods that stretch them. rims: [{ x, y, rx,
+ * ry }], the upper one first. */
+export function drawShell(context, [upper, lower]) {
   path(context, () => {
     context.ellipse(upper.x, upper.y, upper.rx, upper.ry, 0, Math.PI, 0, true);
     context.ellipse(lower.x, lower.y, lower.rx, lower.ry, 0, 0, Math.PI);
     context.closePath();
   });
-  fill(context, "wood", 0.55);
-  Object.assign(context, { strokeStyle: colour("soft"), lineWidth: 2.5 });
+  fill(context, "wood", 0.7);
+  Object.assign(context, { strokeStyle: colour("soft"), lineWidth: 2 });
+  context.beginPath();
   for (let k = 0; k < kRods; ++k) {
-    const angle = (Math.PI * (k + 0.5)) / kRods;
-    path(context, () => {
-      context.moveTo(upper.x + upper.rx * Math.cos(angle), upper.y + upper.ry * Math.sin(angle));
-      context.lineTo(lower.x + lower.rx * Math.cos(angle), lower.y + lower.ry * Math.sin(angle));
-    }).stroke();
+    const [x, y] = [Math.cos, Math.sin].map((part) => part((Math.PI * (k + 0.5)) / kRods));
+    context.moveTo(upper.x + upper.rx * x, upper.y + upper.ry * y);
+    context.lineTo(lower.x + lower.rx * x, lower.y + lower.ry * y);
   }
+  context.stroke();
 }
 
 /** A fret of metal with its crown at (x, y), down: 1 or -1, to where it stands. */

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The slow motion of one note: strings, what is thrown at them or stands in their way, where the energy is, the force.
 import { readable } from "./controls.js";
-import { drawBall, drawBolt, drawBowHair, drawBridgeFoot, drawDrumStick, drawFingertip, drawFretWire, drawHammerHead, drawMetalTube, drawPlank, drawShellBefore, drawShellBehind, drawSteel, drawWoodenBar, kFelt, kHead } from "./parts.js";
+import { drawBall, drawBolt, drawBowHair, drawBridgeFoot, drawDrumStick, drawFingertip, drawFretWire, drawHammerHead, drawMetalTube, drawPlank, drawShell, drawSteel, drawWoodenBar, kFelt, kHead } from "./parts.js";
 import { colour } from "./plots.js";
 
 /** Colours of energies by their names; those that are not here take the next of kOthers. */
@@ -12,16 +12,18 @@ const kLeastReach = 80;
 const kNear = 60; // pixels around a hammer or a finger that take hold of it
 const kTraces = 3; // earlier shapes of a string that stay in view
 const kTrace = 1.5e-4; // seconds between two of them
-const kTraced = 2; // points of the string between two of theirs
+const kTraced = 3; // points of the string between two of theirs
 const kShades = 10; // of each colour of a membrane
 const kSectors = 24; // of a membrane's circle
+const kRingsApart = 2; // between two lines on it
 const kTilt = 0.3; // height of a membrane's circle over its width
 const kShank = 170;
+const kHeadHalf = 48; // half of the width of a hammer's head, with room
 const kFarthest = 0.6; // how far a hammer is followed, over the largest displacement
 const kSteepest = 0.14; // the largest displacement over the width
 const kFirstPlain = 48; // key of the lowest string without windings
 const kStringsApart = 11; // pixels between strings side by side
-const kDiscOverHeight = 0.95; // radius of a drum or a gong over the height of the stage
+const kDiscOverHeight = 0.85; // radius of a drum or a gong over the height of the stage
 const kSticks = 0.15; // of the fastest slip: below it a bow's hair holds the string
 const kBlow = { stick: "stick", mallet: "ball", beater: "ball", bass: "ball", thumb: "finger", finger: "finger" }; // what strikes, by its name
 const kTitles = "'Iowan Old Style', 'Palatino Linotype', Palatino, 'Book Antiqua', Georgia, serif";
@@ -83,8 +85,12 @@ function surfaceOf(rings, isFree) {
   for (let ring = 0; ring < end; ++ring)
     for (let s = 0; s < kSectors; ++s) all.push([corner(ring, s), corner(ring + 1, s), corner(ring + 1, s + 1), corner(ring, s + 1)]);
   const depth = (corners) => corners.reduce((sum, { y }) => sum + y, 0);
-  surfaces.set(name, all.sort((a, b) => depth(a) - depth(b)));
-  return surfaces.get(name);
+  all.sort((a, b) => depth(a) - depth(b));
+  const ringOf = (ring) => Array.from({ length: kSectors }, (_, s) => corner(ring, s));
+  all.rims = ringOf(end);
+  all.rings = Array.from({ length: Math.floor(rings / kRingsApart) }, (_, k) => ringOf(kRingsApart * (k + 1)));
+  surfaces.set(name, all);
+  return all;
 }
 
 export class Stage {
@@ -278,17 +284,7 @@ export class Stage {
     const total = parts.reduce((sum, [energy]) => sum + energy, 0) || 1;
     const percents = wholePercents(parts.map(([energy]) => energy / total));
     const full = width - 16 - left;
-    context.save();
-    context.beginPath();
-    context.roundRect(left, 14, full, 16, 8);
-    context.clip();
-    let x = left;
-    for (const [energy, , paint] of parts) {
-      context.fillStyle = colour(paint);
-      context.fillRect(x, 14, (energy / total) * full + 1, 16);
-      x += (energy / total) * full;
-    }
-    context.restore();
+    this.drawBars(context, parts.map(([energy, , paint]) => [(energy / total) * full, paint]), left, full);
     let [at, line] = [left, wide ? 50 : 48];
     const font = `${wide ? 14 : 12}px system-ui`;
     const put = (text, room, paint) => {
@@ -302,6 +298,26 @@ export class Stage {
     put(`${readable(Number((1000 * total).toPrecision(3)))} mJ`, wide ? 74 : 62);
     parts.forEach(([, label, paint], k) => put(`${label} ${percents[k]} %`, context.measureText(`${label} 100 %`).width + 24, paint));
     return line + 10;
+  }
+
+  // Bars side by side, whose outer ends are round. The widest is drawn first, as long as all.
+  drawBars(context, bars, left, full) {
+    const widest = bars.reduce((best, bar) => (bar[0] > best[0] ? bar : best));
+    context.fillStyle = colour(widest[1]);
+    context.beginPath();
+    context.roundRect(left, 14, full, 16, 8);
+    context.fill();
+    let x = left;
+    for (const bar of bars) {
+      const [width, paint] = bar, end = Math.min(x + width, left + full);
+      if (bar !== widest && width > 0.5) {
+        context.fillStyle = colour(paint);
+        context.beginPath();
+        context.roundRect(x, 14, end - x, 16, [x < left + 8 ? 8 : 0, end > left + full - 8 ? 8 : 0, end > left + full - 8 ? 8 : 0, x < left + 8 ? 8 : 0]);
+        context.fill();
+      }
+      x += width;
+    }
   }
 
   // What to do first, beside what can be pulled.
@@ -414,22 +430,32 @@ export class Stage {
     if (finger !== null) this.drawFinger(context, box, finger, curve[Math.round(plucks.at * (curve.length - 1))]);
   }
 
-  // A path as a string: thicker the lower its key, the lowest with windings, with light on it.
+  // A path as a string: thicker the lower its key, the lowest with windings, with light on it. Wires of a drum are thin.
   strokeString(context, path, key) {
-    const size = key === null ? 5 : 3.5 + 0.07 * Math.max(0, 96 - key);
+    const size = this.discs.length > 0 ? 2 : key === null ? 5 : 3.5 + 0.07 * Math.max(0, 96 - key);
+    const isWound = key !== null && key < kFirstPlain && this.discs.length === 0;
     context.save();
-    Object.assign(context, { lineWidth: size, strokeStyle: colour("blue"), lineJoin: "round" });
+    Object.assign(context, { lineWidth: size, strokeStyle: isWound ? this.windings(context) : colour("blue"), lineJoin: "round" });
     context.stroke(path);
-    if (key !== null && key < kFirstPlain) {
-      Object.assign(context, { strokeStyle: colour("paper"), globalAlpha: 0.45 });
-      context.setLineDash([1, 3]);
+    if (this.discs.length === 0) {
+      context.translate(0, -size / 5);
+      Object.assign(context, { strokeStyle: "#ffffff", globalAlpha: 0.4, lineWidth: 1 });
       context.stroke(path);
-      context.setLineDash([]);
     }
-    context.translate(0, -size / 5);
-    Object.assign(context, { strokeStyle: "#ffffff", globalAlpha: 0.4, lineWidth: size / 4 });
-    context.stroke(path);
     context.restore();
+  }
+
+  // Turns of wire as a pattern, which costs less than dashes.
+  windings(context) {
+    const paints = ["blue", "paper"].map(colour);
+    if (this.wound?.paints.every((paint, k) => paint === paints[k])) return this.wound.pattern;
+    const turn = Object.assign(document.createElement("canvas"), { width: 4, height: 1 });
+    const one = turn.getContext("2d");
+    one.fillStyle = paints[0];
+    one.fillRect(0, 0, 4, 1);
+    Object.assign(one, { fillStyle: paints[1], globalAlpha: 0.45 }).fillRect(0, 0, 1, 1);
+    this.wound = { paints, pattern: context.createPattern(turn, "repeat") };
+    return this.wound.pattern;
   }
 
   // What a string lies on, out: to which side it goes on.
@@ -449,11 +475,11 @@ export class Stage {
   // Where a string has just been, paler the longer ago.
   drawTraces(context, box, { column, points }, across) {
     const now = Math.floor(this.at * this.study.sampleRate);
-    context.lineWidth = 1.5;
+    context.lineWidth = 1; // hairlines cost little
     for (let k = kTraces; k > 0; --k) {
       const i = now - Math.round(k * kTrace * this.study.sampleRate);
       if (i < 0) continue;
-      context.globalAlpha = 0.45 / k;
+      context.globalAlpha = 0.6 / k;
       context.beginPath();
       const shape = this.study.points(i, column, points);
       for (let p = 0; p < points; p += kTraced) context.lineTo(across(p), this.height(box, shape[p]));
@@ -486,57 +512,58 @@ export class Stage {
 
   // A membrane or a plate seen from the side, blue where its displacement is positive, in the accent's colour where it is negative.
   drawSurface(context, box, { quads, slot, isPlate }, curve) {
+    const { rims } = quads;
     const [rx, cx] = [(box.right - box.left) / 2, (box.left + box.right) / 2];
     const ry = Math.min(kTilt * rx, 0.36 * (box.bottom - box.top));
     const rim = { x: cx, y: box.middle, rx, ry };
     const lower = { ...rim, y: box.middle + box.bottom - box.top };
     const hasShell = slot === 0 && this.slots > 1;
-    if (hasShell) drawShellBehind(context, [rim, lower]);
     const height = ({ at }) => (at === null ? 0 : curve[at]);
     const x = (corner) => cx + corner.x * rx, y = (corner) => box.middle + corner.y * ry - height(corner) * box.unit;
-    const rims = quads.map(([, b, c]) => [b, c]).filter(([b]) => b.x ** 2 + b.y ** 2 > 0.999);
-    if (hasShell) drawShellBefore(context, [rim, lower]);
+    if (hasShell) drawShell(context, [rim, lower]);
     if (isPlate) this.drawEdge(context, rims, x, y);
-    this.fillQuads(context, quads, { x, y, height }, this.shades(isPlate ? "bronze" : "panel"));
+    const shades = this.shades(isPlate ? "bronze" : "panel");
+    this.fillRim(context, rims, { x, y }, shades[kShades]);
+    if (slot === 0) this.fillQuads(context, quads, { x, y, height }, shades); // behind the shell lines suffice
     context.strokeStyle = colour(isPlate ? "ink" : "soft");
     Object.assign(context, { lineWidth: 0.5, globalAlpha: isPlate ? 0.35 : 0.7 });
     context.beginPath();
-    for (const [, b, c] of quads) {
-      if (b.at === null) continue; // the rim
-      context.moveTo(x(b), y(b));
-      context.lineTo(x(c), y(c));
+    for (const ring of quads.rings) {
+      ring.forEach((corner, k) => (k === 0 ? context.moveTo(x(corner), y(corner)) : context.lineTo(x(corner), y(corner))));
+      context.closePath();
     }
     context.stroke();
     context.globalAlpha = 1;
     if (isPlate) return;
-    for (const [paint, wide] of [["ink", 6], ["soft", 3]]) {
-      Object.assign(context, { strokeStyle: colour(paint), lineWidth: wide });
-      context.beginPath();
-      context.ellipse(cx, box.middle, rx, ry, 0, 0, 2 * Math.PI);
-      context.stroke();
-    }
+    Object.assign(context, { strokeStyle: colour("ink"), lineWidth: slot === 0 ? 4 : 2 });
+    context.beginPath();
+    context.ellipse(cx, box.middle, rx, ry, 0, 0, 2 * Math.PI);
+    context.stroke();
+  }
+
+  // All of a disc in the colour of rest.
+  fillRim(context, rims, { x, y }, paint) {
+    context.fillStyle = paint;
+    context.beginPath();
+    for (const corner of rims) context.lineTo(x(corner), y(corner));
+    context.fill();
   }
 
   // The edge of a plate, which is as thick as its rim looks.
   drawEdge(context, rims, x, y) {
     context.fillStyle = colour("wood");
     context.beginPath();
-    for (const [b, c] of rims) {
-      const thick = 7 * this.size;
-      context.moveTo(x(b), y(b));
-      context.lineTo(x(c), y(c));
-      context.lineTo(x(c), y(c) + thick);
-      context.lineTo(x(b), y(b) + thick);
-    }
+    for (const corner of rims) context.lineTo(x(corner), y(corner) + 7 * this.size);
     context.fill();
   }
 
-  // Quadrilaterals from back to front, of which neighbours of one shade are filled at once.
+  // Quadrilaterals from back to front that are not as at rest, of which neighbours of one shade are filled at once.
   fillQuads(context, quads, { x, y, height }, shades) {
     const shadeOf = ([a, b, c, d]) => Math.round(kShades + kShades * Math.max(-1, Math.min(1, (0.4 * (height(a) + height(b) + height(c) + height(d))) / this.reach)));
     let last = null;
     for (const corners of quads) {
       const shade = shadeOf(corners);
+      if (shade === kShades) continue;
       if (shade !== last) {
         if (last !== null) context.fill();
         context.fillStyle = shades[(last = shade)];
@@ -545,7 +572,7 @@ export class Stage {
       context.moveTo(x(corners[0]), y(corners[0]));
       for (const k of [1, 2, 3]) context.lineTo(x(corners[k]), y(corners[k]));
     }
-    context.fill();
+    if (last !== null) context.fill();
   }
 
   // Colours of a disc from its lowest to its highest place.
@@ -681,8 +708,7 @@ export class Stage {
     if (hasShank) this.drawShank(context, box, x, top - squeezed * size, rest);
     else if (shape === "hammer") this.drawStick(context, box, x, top + down * (kFelt - squeezed) * size, down);
     context.save();
-    if (hasShank) this.clipBelow(context, box, string);
-    else this.clipTo(context, box);
+    if (!hasShank) this.clipTo(context, box);
     context.translate(x, top);
     context.scale(size, down * size);
     if (shape === "hammer") drawHammerHead(context, kFelt - squeezed, squeezed);
@@ -690,6 +716,7 @@ export class Stage {
     if (shape === "stick") drawDrumStick(context);
     if (shape === "finger") drawFingertip(context, squeezed);
     context.restore();
+    if (hasShank) this.coverAbove(context, box, string, x, top);
     this.hold = { x, y: top + down * 0.4 * kHead * size, down, aside: hasShank ? 0 : 34 * size, top: Math.min(top, top + down * kHead * size), bottom: Math.max(top, top + down * kHead * size) };
     if (pulled) this.write(context, pulled.text, x + 34 * size, top + down * 20, "ink", "600 14px system-ui");
   }
@@ -711,13 +738,23 @@ export class Stage {
     return this.string ? this.curve(this.string, i, part) : null;
   }
 
-  // Felt takes the shape of the string that it meets.
-  clipBelow(context, box, curve) {
+  // Felt takes the shape of the string that it meets: what is drawn of it above the string is covered. A clip would cost more.
+  coverAbove(context, box, curve, x, top) {
+    const across = (p) => box.left + ((box.right - box.left) * p) / (curve.length - 1);
+    const half = kHeadHalf * this.size;
+    const [first, last] = [x - half, x + half].map((at) => Math.max(0, Math.min(curve.length - 1, Math.round(((at - box.left) / (box.right - box.left)) * (curve.length - 1)))));
+    const above = top - 3;
+    context.fillStyle = colour("paper");
     context.beginPath();
-    curve.forEach((y, p) => context.lineTo(box.left + ((box.right - box.left) * p) / (curve.length - 1), this.height(box, y)));
-    for (const x of [this.canvas.clientWidth, 0]) context.lineTo(x, this.canvas.clientHeight);
-    context.lineTo(0, box.middle);
-    context.clip();
+    context.moveTo(across(first), above);
+    let isHigher = false;
+    for (let p = first; p <= last; ++p) {
+      const y = this.height(box, curve[p]);
+      isHigher ||= y > above;
+      context.lineTo(across(p), Math.max(above, y));
+    }
+    context.lineTo(across(last), above);
+    if (isHigher) context.fill();
   }
 
   // Pixels by which something is pulled for all of its power.
@@ -815,13 +852,14 @@ export class Stage {
 
   // The force of the note, filled up to the time that is shown.
   drawForce(context, { left, right, top, bottom }, frame) {
-    const { picture, peak } = this.pictureOf(right - left, bottom - top);
+    const ratio = window.devicePixelRatio || 1;
+    [left, top] = [left, top].map((at) => Math.round(at * ratio) / ratio);
+    const { picture, peak } = this.pictureOf(right - left, bottom - top, ratio);
     const x = left + ((right - left) * frame) / (this.frames - 1);
-    const part = Math.round(Math.max(0, Math.min(1, (x - left) / (right - left))) * picture.width);
-    context.globalAlpha = 0.3;
-    context.drawImage(picture, left, top, right - left, bottom - top);
-    context.globalAlpha = 1;
-    if (part > 0) context.drawImage(picture, 0, 0, part, picture.height, left, top, (part / picture.width) * (right - left), bottom - top);
+    const part = Math.round(Math.max(0, Math.min(1, (x - left) / (right - left))) * picture[0].width);
+    const [now, later] = picture; // of the same pixels as the canvas: both are copied, none is blended
+    if (part > 0) context.drawImage(now, 0, 0, part, now.height, left, top, part / ratio, now.height / ratio);
+    if (part < now.width) context.drawImage(later, part, 0, now.width - part, now.height, left + part / ratio, top, (now.width - part) / ratio, now.height / ratio);
     context.fillStyle = colour("ink");
     context.fillRect(left, bottom, right - left, 1);
     context.fillRect(x - 1, top - 4, 2, bottom - top + 8);
@@ -833,20 +871,25 @@ export class Stage {
     this.write(context, text, right - context.measureText(text).width, bottom + 15, "soft");
   }
 
-  // All of the force as a picture of this size, which is drawn once, and the largest force.
-  pictureOf(width, height) {
-    const [ratio, paint] = [window.devicePixelRatio || 1, colour("accent")];
-    const of = [this.study, width, height, ratio, paint];
+  // All of the force as two pictures of this size, which are drawn once: what has been, and paler what will be; and the largest
+  // force.
+  pictureOf(width, height, ratio) {
+    const of = [this.study, width, height, ratio, colour("accent"), colour("paper")];
     if (this.picture?.of.every((part, k) => part === of[k])) return this.picture;
     const forces = this.forces.subarray(0, this.frames);
     const peak = largest(forces) || 1;
-    const picture = Object.assign(document.createElement("canvas"), { width: Math.ceil(width * ratio), height: Math.ceil(height * ratio) });
-    const context = picture.getContext("2d");
-    context.fillStyle = paint;
-    context.moveTo(0, picture.height);
-    forces.forEach((force, i) => context.lineTo((picture.width * i) / (forces.length - 1), picture.height * (1 - force / peak)));
-    context.lineTo(picture.width, picture.height);
-    context.fill();
+    const picture = [1, 0.3].map((alpha) => {
+      const one = Object.assign(document.createElement("canvas"), { width: Math.ceil(width * ratio), height: Math.ceil(height * ratio) });
+      const context = one.getContext("2d", { alpha: false });
+      context.fillStyle = colour("paper");
+      context.fillRect(0, 0, one.width, one.height);
+      Object.assign(context, { fillStyle: colour("accent"), globalAlpha: alpha });
+      context.moveTo(0, one.height);
+      forces.forEach((force, i) => context.lineTo((one.width * i) / (forces.length - 1), one.height * (1 - force / peak)));
+      context.lineTo(one.width, one.height);
+      context.fill();
+      return one;
+    });
     return (this.picture = { of, picture, peak });
   }
 

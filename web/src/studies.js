@@ -5,7 +5,11 @@ import { startModule, textAt, withTexts } from "../../hosts/npm/src/wasm_module.
 
 const kLoop = 3e-3; // seconds that are shown at least, again and again
 
-const columnOf = ({ frames, size, numbers }, k) => Float64Array.from({ length: frames }, (_, i) => numbers[i * size + k]);
+function columnOf({ frames, size, numbers }, k) {
+  const column = new Float64Array(frames);
+  for (let i = 0; i < frames; ++i) column[i] = numbers[i * size + k];
+  return column;
+}
 
 // How many frames are shown: the blow and a quarter more; and the largest displacement of strings and bodies there [m].
 function viewOf(played, { force, items }) {
