@@ -426,8 +426,9 @@ const casesOfOnePage = {
         const { comparison } = contactSpline.page;
         comparison.setStiffness(ratio);
         await comparison.drawn;
-        const { ours, theirs } = await comparison.strikes(1.5);
-        return [ours, theirs].map((list) => comparison.levelled(list).samples.reduce((m, x) => Math.max(m, Math.abs(x)), 0));
+        const heard = await comparison.inTurn(); // fd.hammer, a pause, and 1.5 s of the contact step
+        const [ours, theirs] = [heard.slice(-1.5 * 44100), heard.slice(0, -1.9 * 44100)];
+        return [ours, theirs].map((list) => list.reduce((m, x) => Math.max(m, Math.abs(x)), 0));
       }, ratio);
       for (const peak of peaks) assert.ok(Math.abs(decibels(peak) - decibels(0.2)) < 0.1, `at ${ratio}: peaks ${peaks}`);
     }
@@ -1834,6 +1835,7 @@ const measured = {
         await page.evaluate((chapter) => contactSpline.page.story.go(chapter), chapter);
         await page.waitForFunction((chapter) => contactSpline.page.story.chapter === chapter, chapter);
         await page.evaluate(() => contactSpline.page.story.answered);
+        await page.waitForTimeout(1500); // it has scrolled
         const input = page.locator(`#chapter-${chapter} .control input`).first();
         const { x, y, width, height } = await input.boundingBox();
         await page.mouse.move(x + 0.3 * width, y + height / 2);

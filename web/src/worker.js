@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The thread that designs and computes slow motion and the figures of the story, asked by background.js.
 import { startGenerator } from "../../hosts/npm/src/generator.js";
+import { compared } from "./compared.js";
 import { renderFd } from "./fd_hammer.js";
 import { StoryNumbers } from "./story_numbers.js";
 import { startStudies } from "./studies.js";
@@ -26,6 +27,7 @@ const tasks = {
   blows: (exponent) => numbers.blows(exponent),
   spline: (pieces) => numbers.spline(pieces),
   step: (ratio) => numbers.step(ratio),
+  compared: ({ ratio, seconds, shown }) => compared(tasks.strikes({ ratio, seconds }), Math.round(shown * program.sampleRate), program.sampleRate),
   strikes: ({ ratio, seconds }) => ({ ours: numbers.strike(ratio, seconds), theirs: renderFd(program, ratio, seconds) }),
   energies: (ratio) => numbers.energies(ratio, renderFd(program, ratio, kEnergyShown)),
   design: ({ text, name }) => generator.design(text, name),
