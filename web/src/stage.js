@@ -193,9 +193,10 @@ export class Stage {
   }
 
   setPlaying(isPlaying) {
-    this.isPlaying = isPlaying;
-    this.play.textContent = isPlaying ? "Pause" : "Play";
+    const said = isPlaying ? "Pause" : "Play";
+    if (this.play.textContent !== said) this.play.textContent = said; // what is said again is laid out again
     this.play.classList.toggle("plays", isPlaying);
+    this.isPlaying = isPlaying;
     this.last = null;
     if (isPlaying) this.moves();
     else this.time.value = this.at / (this.length() || 1); // which is not seen: that it follows costs as much as all else
@@ -876,21 +877,21 @@ export class Stage {
   pictureOf(width, height, ratio) {
     const of = [this.study, width, height, ratio, colour("accent"), colour("paper")];
     if (this.picture?.of.every((part, k) => part === of[k])) return this.picture;
-    const forces = this.forces.subarray(0, this.frames);
-    const peak = largest(forces) || 1;
-    const picture = [1, 0.3].map((alpha) => {
-      const one = Object.assign(document.createElement("canvas"), { width: Math.ceil(width * ratio), height: Math.ceil(height * ratio) });
-      const context = one.getContext("2d", { alpha: false });
-      context.fillStyle = colour("paper");
-      context.fillRect(0, 0, one.width, one.height);
-      Object.assign(context, { fillStyle: colour("accent"), globalAlpha: alpha });
-      context.moveTo(0, one.height);
-      forces.forEach((force, i) => context.lineTo((one.width * i) / (forces.length - 1), one.height * (1 - force / peak)));
-      context.lineTo(one.width, one.height);
-      context.fill();
-      return one;
+    const peak = largest(this.forces.subarray(0, this.frames)) || 1;
+    const [w, h] = [Math.ceil(width * ratio), Math.ceil(height * ratio)];
+    const pieces = Math.min(this.frames - 1, w);
+    const path = new Path2D();
+    path.moveTo(0, h);
+    for (let i = 0; i <= pieces; ++i) path.lineTo((w * i) / pieces, h * (1 - this.forces[Math.round((i * (this.frames - 1)) / pieces)] / peak));
+    path.lineTo(w, h);
+    this.pictures ??= [0, 1].map(() => document.createElement("canvas"));
+    this.pictures.forEach((picture, k) => {
+      if (picture.width !== w || picture.height !== h) Object.assign(picture, { width: w, height: h });
+      const context = picture.getContext("2d", { alpha: false });
+      Object.assign(context, { fillStyle: colour("paper"), globalAlpha: 1 }).fillRect(0, 0, w, h);
+      Object.assign(context, { fillStyle: colour("accent"), globalAlpha: k === 0 ? 1 : 0.3 }).fill(path);
     });
-    return (this.picture = { of, picture, peak });
+    return (this.picture = { of, picture: this.pictures, peak });
   }
 
   // Pulling a hammer back sets its speed, moving it along the string its place; letting go throws it. Pulling a string sets
