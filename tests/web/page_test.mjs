@@ -880,6 +880,55 @@ const cases = {
     });
   },
 
+  async "forces and energies on the stage are those of `contactspline render`"() {
+    const piano = emitted(program, "piano");
+    const names = ["length_m", "mass_kg", "tension_n", "bending_stiffness_n_m2", "constant_loss_per_s", "quadratic_loss_m2_per_s"];
+    const string = Object.fromEntries(names.map((name) => [name, piano[name][60 - piano.first_key]]));
+    const place = { position_m: 0.12 * string.length_m };
+    writeFileSync(join(folder, "c4.json"), JSON.stringify({ name: "c4", string, strike: place, pickup: place }));
+    // The contact force by the program [N].
+    const forceOf = (score) => {
+      const [file, sound] = ["score.json", "score.wav"].map((name) => join(folder, name));
+      writeFileSync(file, JSON.stringify(score));
+      execFileSync(program, ["render", file, "-o", sound, "--signal", "force", "--bits", "32", "--gain", "off", "--no-figure", "--force"], { stdio: "ignore" });
+      const bytes = readFileSync(sound);
+      const begin = bytes.indexOf("data", 12, "latin1") + 8;
+      return Array.from({ length: 500 }, (_, i) => bytes.readFloatLE(begin + 4 * i));
+    };
+    await withPage(server.address, async (page) => {
+      for (const [material, speed] of [["felt_c4", 2], ["felt_c2", 1], ["rubber_on_wood", 1], ["steel_on_steel", 0.5], ["mb1", 2]]) {
+        const { energy_j, force_n, half_curvature_n_per_m } = emitted(program, material);
+        const [{ mass_kg }] = JSON.parse(execFileSync(program, ["impact", material, "--speed", String(speed), "--json"], { encoding: "utf8" }));
+        const score = { instrument: "hammer-string", duration_s: 0.1, voices: [{ name: "c", resonator: "c4.json", material, hammer_mass_kg: mass_kg }], events: [{ time_s: 0, speed_m_per_s: speed }] };
+        const force = forceOf(score), peak = Math.max(...force), n = force.indexOf(peak);
+        // The hammer by what the force has done to it up to the largest one, at which the felt rests: it is as far pressed as that needs.
+        const thrown = (mass_kg * speed ** 2) / 2;
+        const hammer = (mass_kg * (speed - force.slice(0, n + 1).reduce((sum, f) => sum + f, 0) / 44100 / mass_kg) ** 2) / 2;
+        const k = force_n.findLastIndex((f) => f <= peak), d = (peak - force_n[k]) / (2 * half_curvature_n_per_m[k]);
+        const felt = energy_j[k] + d * (force_n[k] + d * half_curvature_n_per_m[k]);
+        const written = await page.evaluate(async ([material, speed]) => {
+          const { page } = contactSpline;
+          await page.show({ instrument: "hammer_on_string", material: { name: material }, controls: { speed_m_per_s: speed } });
+          await page.studied;
+          const { stage } = page;
+          const texts = [];
+          stage.write = (context, text) => texts.push(text);
+          stage.rest();
+          delete stage.write;
+          return texts.join("\n");
+        }, [material, speed]);
+        const number = (pattern) => Number(written.match(pattern)[1]);
+        console.log(`  ${material}: ${written.replaceAll("\n", ", ")}; the program: ${(1000 * thrown).toPrecision(3)} mJ, ${peak.toPrecision(3)} N, hammer ${((100 * hammer) / thrown).toFixed(2)} %, felt ${((100 * felt) / thrown).toFixed(2)} %`);
+        assert.equal(number(/([\d.e-]+) mJ/), Number((1000 * thrown).toPrecision(3)), `${material}: energy`);
+        assert.equal(number(/force, up to ([\d.]+) N/), Number(peak.toPrecision(3)), `${material}: largest force`);
+        assert.equal(written.match(/^([\d.]+) N$/m)[1], peak.toFixed(2), `${material}: force`);
+        assert.ok(Math.abs(number(/hammer (\d+) %/) - (100 * hammer) / thrown) < 1, `${material}: hammer`); // parts are rounded so that all add up
+        assert.ok(Math.abs(number(/felt (\d+) %/) - (100 * felt) / thrown) < 1, `${material}: felt`);
+        assert.equal([...written.matchAll(/(\d+) %/g)].reduce((sum, [, percent]) => sum + Number(percent), 0), 100, material);
+      }
+    });
+  },
+
   async "pieces are equally loud, and have no offset"() {
     await withPage(server.address, async (page) => {
       const names = await page.evaluate(() => [...contactSpline.page.scores.keys()]);

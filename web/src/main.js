@@ -442,13 +442,14 @@ class Page {
     this.studySoon();
   }
 
-  // What another thread computes while the page goes on; nothing when it is of an instrument that was left.
+  // What another thread computes while the page goes on; nothing when it is of an instrument, or of values, that were left.
   async studySoon() {
     const asked = this.note();
     if (!this.background) return this.study();
     const answer = this.background.latest("study", "play", asked);
+    const { begun } = this.studies;
     this.studied = answer.then((played) => {
-      if (played !== undefined && asked.instrument === this.instrument) this.showStudy(played, asked);
+      if (played !== undefined && begun === this.studies.begun) this.showStudy(played, asked);
     });
     await this.studied;
   }
@@ -481,6 +482,7 @@ class Page {
   // The slow motion of the note that was played last, with the controls of now.
   study() {
     const asked = this.note();
+    this.studies.begun = asked;
     this.showStudy(this.studies.play(asked.instrument, asked.values, asked.note, asked), asked);
   }
 
