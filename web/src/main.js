@@ -181,7 +181,7 @@ class Page {
       background: this.background,
       instruments: this.instruments,
       stiffness: this.comparison.stiffness,
-      hear: (state, velocity) => this.show(state).then(() => this.strikeOnce(kMiddleC, velocity)),
+      hear: (state, velocity, key = kMiddleC) => this.show(state).then(() => this.strikeOnce(key, velocity)),
       piece: () => this.playOrStop(kFirstScore),
       at: () => this.changed(),
       moves: this.run,

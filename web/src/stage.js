@@ -885,13 +885,25 @@ export class Stage {
     for (let i = 0; i <= pieces; ++i) path.lineTo((w * i) / pieces, h * (1 - this.forces[Math.round((i * (this.frames - 1)) / pieces)] / peak));
     path.lineTo(w, h);
     this.pictures ??= [0, 1].map(() => document.createElement("canvas"));
+    const bow = this.items.find(({ kind }) => kind === "bow");
     this.pictures.forEach((picture, k) => {
       if (picture.width !== w || picture.height !== h) Object.assign(picture, { width: w, height: h });
       const context = picture.getContext("2d", { alpha: false });
       Object.assign(context, { fillStyle: colour("paper"), globalAlpha: 1 }).fillRect(0, 0, w, h);
-      Object.assign(context, { fillStyle: colour("accent"), globalAlpha: k === 0 ? 1 : 0.3 }).fill(path);
+      Object.assign(context, { fillStyle: colour("accent"), globalAlpha: k === 0 ? 1 : 0.3 });
+      if (bow) this.fillSlips(context, bow, { w, h, peak });
+      else context.fill(path);
     });
     return (this.picture = { of, picture: this.pictures, peak });
+  }
+
+  // The force of a bow in the colours of its hair, which holds the string or slips along it.
+  fillSlips(context, { slid }, { w, h, peak }) {
+    for (let i = 0; i < this.frames - 1; ++i) {
+      const high = (h * this.forces[i]) / peak;
+      context.fillStyle = colour(this.sticks(slid, i) ? "blue" : "accent");
+      context.fillRect((w * i) / (this.frames - 1), h - high, w / (this.frames - 1) + 0.5, high);
+    }
   }
 
   // Pulling a hammer back sets its speed, moving it along the string its place; letting go throws it. Pulling a string sets

@@ -48,6 +48,14 @@ export function startStudies(module, sampleRate) {
       return { ...played, scene, view: viewOf(played, scene) };
     },
 
+    /** The first event of the instrument of a file from rest: samples of its first output, or by how much its bow slips in each [m]. */
+    follow(bytes, values, samples, { isSlip = false } = {}) {
+      writeInstrument(exports, exports.studies_file_instrument, bytes);
+      new Float64Array(exports.memory.buffer, exports.studies_values(values.length), values.length).set(values);
+      const address = exports.studies_follow(samples, sampleRate, isSlip ? 1 : 0);
+      return address === 0 ? null : new Float64Array(exports.memory.buffer, address, samples).slice();
+    },
+
     /** The strike of fd_hammer_c4.dsp by the contact step: displacement at the place of the strike [m]. */
     strikeC4(stiffness, samples) {
       const address = exports.studies_strike_c4(stiffness, samples, sampleRate);
