@@ -21,7 +21,7 @@ for (const [device, size] of Object.entries(sizes))
   for (const colorScheme of ["light", "dark"]) {
     const { page, close } = await openPage(modules, server.address, { ...size, colorScheme });
     await page.evaluate(() => contactSpline.loaded);
-    for (let chapter = 1; chapter <= 7; ++chapter) await page.evaluate((chapter) => contactSpline.page.story.go(chapter), chapter);
+    for (let chapter = 1; chapter <= 9; ++chapter) await page.evaluate((chapter) => contactSpline.page.story.go(chapter), chapter);
     await page.locator("#file-text").scrollIntoViewIfNeeded();
     await page.locator("#file-drawing svg").waitFor();
     for (const closed of ["Fit a material to measurements", "The material file as text", "Its parts"]) await page.getByText(closed, { exact: true }).click(); // what is hidden is not audited

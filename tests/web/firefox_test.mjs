@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// firefox_test.mjs NODE_MODULES PAGE.html: the page in headless Firefox: it loads, shows its first screens, moves, renders sound, keeps the energy flat and
+// firefox_test.mjs NODE_MODULES PAGE.html [FOLDER]: the page in headless Firefox: it loads, shows its first screens, dark and light (as pictures in FOLDER), moves, renders sound, keeps the energy flat and
 // complains of nothing. Skipped, in a line, where there is no Firefox.
 import assert from "node:assert/strict";
 import { existsSync } from "node:fs";
@@ -9,7 +9,7 @@ import { join, resolve } from "node:path";
 import { serve } from "../../web/serve.mjs";
 import { assertFirstScreen, kFirstScreens } from "./first_screen.mjs";
 
-const [modules, file] = process.argv.slice(2);
+const [modules, file, pictures] = process.argv.slice(2);
 const executablePath = process.env.FIREFOX ?? "/usr/bin/firefox-esr";
 if (!existsSync(executablePath)) {
   console.log(`skipped: there is no Firefox at ${executablePath} (Debian: firefox-esr)`);
@@ -17,7 +17,35 @@ if (!existsSync(executablePath)) {
 }
 const { firefox } = createRequire(join(resolve(modules), "x"))("playwright-core");
 const server = await serve(file);
-const browser = await firefox.launch({ channel: "moz-firefox", executablePath, headless: true });
+// Firefox takes its colours from its profile: 0 dark, 1 light.
+const launched = (scheme) => firefox.launch({ channel: "moz-firefox", executablePath, headless: true, firefoxUserPrefs: { "layout.css.prefers-color-scheme.content-override": scheme } });
+
+// The first screens, also as pictures where a folder is given.
+async function firstScreens(page, scheme) {
+  const paper = await page.evaluate(() => getComputedStyle(document.body).backgroundColor.match(/\d+/g).map(Number));
+  assert.ok(scheme === "dark" ? Math.max(...paper) < 60 : Math.min(...paper) > 200, `${scheme}: paper of ${paper}`);
+  for (const size of kFirstScreens) {
+    await page.setViewportSize(size);
+    await assertFirstScreen(page, size);
+    // The stage is painted in the same colours.
+    const corner = await page.locator("#stage").evaluate((stage) => [...stage.getContext("2d").getImageData(2, stage.height - 2, 1, 1).data.slice(0, 3)]);
+    assert.deepEqual(corner, paper.slice(0, 3), `${scheme}, ${size.width} x ${size.height}: the corner of the stage`);
+    if (pictures) await page.screenshot({ path: join(pictures, `firefox-${scheme}-${size.width}x${size.height}.png`) });
+  }
+}
+
+{
+  const dark = await launched(0);
+  try {
+    const page = await (await dark.newContext({ viewport: { width: 1280, height: 800 }, colorScheme: null })).newPage();
+    await page.goto(server.address);
+    await page.evaluate(() => contactSpline.loaded);
+    await firstScreens(page, "dark");
+  } finally {
+    await dark.close();
+  }
+}
+const browser = await launched(1);
 try {
   const page = await (await browser.newContext({ viewport: { width: 1280, height: 800 } })).newPage();
   const complaints = [];
@@ -25,10 +53,7 @@ try {
   page.on("pageerror", (error) => complaints.push(String(error)));
   await page.goto(server.address);
   await page.evaluate(() => contactSpline.loaded);
-  for (const size of kFirstScreens) {
-    await page.setViewportSize(size);
-    await assertFirstScreen(page, size);
-  }
+  await firstScreens(page, "light");
   await page.setViewportSize({ width: 1280, height: 800 });
   const { imbalance, parts, peaks } = await page.evaluate(async () => {
     const { page, renderOffline } = contactSpline;

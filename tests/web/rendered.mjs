@@ -6,7 +6,7 @@ import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 
-const kDuration_s = 0.2; // the program fades out at the end
+const kDuration_s = 0.2, kLong_s = 0.6; // the program fades out at the end
 const kGain = 1 / 100; // -40 dB, so that nothing reaches the full scale of the file
 
 /** Samples of a blow, of which the program does not fade the last. */
@@ -31,10 +31,11 @@ function renderedFile(program, name, content, options) {
 }
 
 /** The sound of a score by the program [m/s or N]. */
-export function renderedScore(program, score, channels) {
-  const sound = renderedFile(program, "score.json", JSON.stringify({ ...score, duration_s: kDuration_s }), ["--gain", "-40"]);
-  assert.equal(sound.length, channels, "channels");
-  return sound.map((channel) => channel.slice(0, kSamples).map((x) => x / kGain));
+export function renderedScore(program, score, channels, samples = kSamples) {
+  const duration_s = samples > kSamples ? kLong_s : kDuration_s;
+  const sound = renderedFile(program, "score.json", JSON.stringify({ ...score, duration_s }), ["--gain", "-40"]);
+  assert.ok(sound.length >= channels, "channels");
+  return sound.map((channel) => channel.slice(0, samples).map((x) => x / kGain));
 }
 
 /** The sound of a MIDI file on an instrument, in single precision, of this full scale [m/s or N]. */
@@ -42,8 +43,8 @@ export const renderedMidi = (program, bytes, instrument, fullScale) =>
   renderedFile(program, "song.mid", bytes, ["--gain", String(-20 * Math.log10(fullScale)), "--precision", "single", "--tail", "1", "--instrument", instrument]);
 
 /** The first output after an event, of a score with more keys. */
-export function rendered(program, instrument, event, value, more = {}) {
-  return renderedScore(program, { instrument, description: "a blow", events: [{ time_s: 0, [event]: value }], ...more }, 1)[0];
+export function rendered(program, instrument, event, value, more = {}, samples = kSamples) {
+  return renderedScore(program, { instrument, description: "a blow", events: [{ time_s: 0, [event]: value }], ...more }, 1, samples)[0];
 }
 
 /** The emitted file of what ships. */

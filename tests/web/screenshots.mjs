@@ -45,7 +45,7 @@ for (const [device, size] of Object.entries(devices))
     });
     const below = device === "docs" ? { fullPage: true, clip: { x: 0, y: 0, width: 1280, height: 1390 } } : {};
     await page.screenshot({ path: join(folder, `${device}-${colorScheme}.png`), ...below });
-    for (let chapter = 1; device !== "docs" && chapter <= 7; ++chapter) {
+    for (let chapter = 1; device !== "docs" && chapter <= 9; ++chapter) {
       await page.evaluate((chapter) => contactSpline.page.story.go(chapter), chapter);
       await page.waitForTimeout(400);
       await page.locator(`#chapter-${chapter}`).screenshot({ path: join(folder, `${device}-${colorScheme}-chapter-${chapter}.png`) });

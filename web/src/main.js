@@ -181,7 +181,7 @@ class Page {
       background: this.background,
       instruments: this.instruments,
       stiffness: this.comparison.stiffness,
-      hear: (state, velocity) => this.show(state).then(() => this.strikeOnce(kMiddleC, velocity)),
+      hear: (state, velocity, key = kMiddleC) => this.show(state).then(() => this.strikeOnce(key, velocity)),
       piece: () => this.playOrStop(kFirstScore),
       at: () => this.changed(),
       moves: this.run,
@@ -442,13 +442,14 @@ class Page {
     this.studySoon();
   }
 
-  // What another thread computes while the page goes on; nothing when it is of an instrument that was left.
+  // What another thread computes while the page goes on; nothing when it is of an instrument, or of values, that were left.
   async studySoon() {
     const asked = this.note();
     if (!this.background) return this.study();
     const answer = this.background.latest("study", "play", asked);
+    const { begun } = this.studies;
     this.studied = answer.then((played) => {
-      if (played !== undefined && asked.instrument === this.instrument) this.showStudy(played, asked);
+      if (played !== undefined && begun === this.studies.begun) this.showStudy(played, asked);
     });
     await this.studied;
   }
@@ -481,6 +482,7 @@ class Page {
   // The slow motion of the note that was played last, with the controls of now.
   study() {
     const asked = this.note();
+    this.studies.begun = asked;
     this.showStudy(this.studies.play(asked.instrument, asked.values, asked.note, asked), asked);
   }
 
@@ -513,10 +515,9 @@ class Page {
   }
 
   balance({ scene, column }) {
-    const places = scene.items.some(({ kind }) => kind === "body") ? "Squares: places of the body." : "";
-    if (scene.imbalance === undefined || !(scene.work > 0)) return places;
+    if (scene.imbalance === undefined || !(scene.work > 0)) return "";
     const worst = column(scene.imbalance).reduce((max, value) => Math.max(max, Math.abs(value)), 0) / scene.work;
-    return `Energy is balanced within ${readable(worst)}. ${places}`;
+    return `Energy is balanced within ${readable(worst)}.`;
   }
 
   throwHammer({ power, place }) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The slow motion of one note: strings, what is thrown at them or stands in their way, where the energy is, the force.
 import { readable } from "./controls.js";
+import { drawBall, drawBolt, drawBowHair, drawBridgeFoot, drawDrumStick, drawFingertip, drawFretWire, drawHammerHead, drawMetalTube, drawPlank, drawShell, drawSteel, drawWoodenBar, kFelt, kHead } from "./parts.js";
 import { colour } from "./plots.js";
 
 /** Colours of energies by their names; those that are not here take the next of kOthers. */
@@ -11,15 +12,20 @@ const kLeastReach = 80;
 const kNear = 60; // pixels around a hammer or a finger that take hold of it
 const kTraces = 3; // earlier shapes of a string that stay in view
 const kTrace = 1.5e-4; // seconds between two of them
-const kTraced = 2; // points of the string between two of theirs
+const kTraced = 3; // points of the string between two of theirs
 const kShades = 10; // of each colour of a membrane
 const kSectors = 24; // of a membrane's circle
+const kRingsApart = 2; // between two lines on it
 const kTilt = 0.3; // height of a membrane's circle over its width
-const kFelt = 50, kHead = 88; // lengths of a hammer's felt, and of the whole head, which is drawn larger or smaller
 const kShank = 170;
+const kHeadHalf = 48; // half of the width of a hammer's head, with room
 const kFarthest = 0.6; // how far a hammer is followed, over the largest displacement
 const kSteepest = 0.14; // the largest displacement over the width
 const kFirstPlain = 48; // key of the lowest string without windings
+const kStringsApart = 11; // pixels between strings side by side
+const kDiscOverHeight = 0.85; // radius of a drum or a gong over the height of the stage
+const kSticks = 0.15; // of the fastest slip: below it a bow's hair holds the string
+const kBlow = { stick: "stick", mallet: "ball", beater: "ball", bass: "ball", thumb: "finger", finger: "finger" }; // what strikes, by its name
 const kTitles = "'Iowan Old Style', 'Palatino Linotype', Palatino, 'Book Antiqua', Georgia, serif";
 
 const largest = (list) => list.reduce((max, value) => Math.max(max, Math.abs(value)), 0);
@@ -53,23 +59,38 @@ export function toldOf({ throws }, parameters, power, place) {
   return told.join(", ");
 }
 
+// By how much a bow has slipped along its string up to each frame.
+const slidOf = (slips) => {
+  let sum = 0;
+  return slips.map((slip) => (sum += slip));
+};
+
+/** The key of MIDI of a frequency. */
+const keyOf = (hz) => 69 + 12 * Math.log2(hz / 440);
+
 const surfaces = new Map();
 
-// The quadrilaterals of a membrane from back to front, each with its corners { at: number of the point, or null at the rim; x, y }.
-function surfaceOf(rings) {
-  if (surfaces.has(rings)) return surfaces.get(rings);
+// The quadrilaterals of a disc from back to front, each with its corners { at: number of the point, or null at a rim that is held; x, y }.
+function surfaceOf(rings, isFree) {
+  const name = `${rings} ${isFree}`;
+  if (surfaces.has(name)) return surfaces.get(name);
+  const end = isFree ? rings : rings + 1;
   const corner = (ring, sector) => {
     const angle = (2 * Math.PI * sector) / kSectors;
     const half = Math.min(sector % kSectors, kSectors - (sector % kSectors));
     const at = ring === 0 ? 0 : ring > rings ? null : 1 + (ring - 1) * (kSectors / 2 + 1) + half;
-    return { at, x: (ring / (rings + 1)) * Math.cos(angle), y: (ring / (rings + 1)) * Math.sin(angle) };
+    return { at, x: (ring / end) * Math.cos(angle), y: (ring / end) * Math.sin(angle) };
   };
   const all = [];
-  for (let ring = 0; ring <= rings; ++ring)
+  for (let ring = 0; ring < end; ++ring)
     for (let s = 0; s < kSectors; ++s) all.push([corner(ring, s), corner(ring + 1, s), corner(ring + 1, s + 1), corner(ring, s + 1)]);
   const depth = (corners) => corners.reduce((sum, { y }) => sum + y, 0);
-  surfaces.set(rings, all.sort((a, b) => depth(a) - depth(b)));
-  return surfaces.get(rings);
+  all.sort((a, b) => depth(a) - depth(b));
+  const ringOf = (ring) => Array.from({ length: kSectors }, (_, s) => corner(ring, s));
+  all.rims = ringOf(end);
+  all.rings = Array.from({ length: Math.floor(rings / kRingsApart) }, (_, k) => ringOf(kRingsApart * (k + 1)));
+  surfaces.set(name, all);
+  return all;
 }
 
 export class Stage {
@@ -117,21 +138,38 @@ export class Stage {
       forces: item.force !== undefined && study.column(item.force),
       places: item.atColumn !== undefined && study.column(item.atColumn),
       boards: item.board !== undefined && study.column(item.board),
-      quads: item.rings > 0 && surfaceOf(item.rings),
+      slid: item.slip !== undefined && slidOf(study.column(item.slip)),
+      quads: item.rings > 0 && surfaceOf(item.rings, item.isFree),
     }));
-    // A string lies on its hammer, and a hammer on a membrane.
-    const isBelow = ({ kind }) => kind === "hammer" && this.items.some((other) => other.kind === "string") && !scene.isFlipped;
-    this.items.sort((a, b) => isBelow(b) - isBelow(a));
-    // Membranes stand above each other and above all strings.
-    const membranes = this.items.filter(({ kind }) => kind === "surface");
-    membranes.forEach((item, k) => (item.slot = k));
-    this.slots = membranes.length === 0 ? 1 : membranes.length + (this.items.some(({ kind }) => kind === "string") ? 1 : 0);
+    this.arrange(scene);
     this.forces = study.column(scene.force);
     this.energies = scene.energies.map(([name, column]) => [name, study.column(column)]);
     Object.assign(this, { study, key, at: 0, pulled: null });
+    this.fastest = undefined;
     this.measure();
     if (!this.isAwake || matchMedia("(prefers-reduced-motion: reduce)").matches) this.rest();
     else this.setPlaying(true);
+  }
+
+  // What lies on what, and where.
+  arrange({ plucks, isFlipped }) {
+    // Membranes stand above each other and above all strings.
+    this.discs = this.items.filter(({ kind }) => kind === "surface");
+    this.discs.forEach((item, k) => (item.slot = k));
+    // Strings are side by side; the one that is played is in the middle of the height.
+    const strings = this.items.filter(({ kind }) => kind === "string");
+    const played = plucks?.column ?? this.items.find(({ kind }) => kind === "bow")?.string;
+    this.string = strings.find(({ column }) => column === played) ?? strings[strings.length >> 1];
+    strings.forEach((item, k) => (item.row = k - strings.indexOf(this.string)));
+    this.slots = this.discs.length === 0 ? 1 : this.discs.length + (strings.length > 0 ? 1 : 0);
+    // One mass that meets several strings is one hammer.
+    const hammers = this.items.filter(({ kind }) => kind === "hammer");
+    const twice = hammers.filter(({ column }, k) => hammers.some((other, i) => i < k && other.column === column));
+    this.items = this.items.filter((item) => !twice.includes(item));
+    // A string lies on its hammer, and a hammer on a membrane.
+    const orders = ["tube", "board", "stop", "surface", "bar", ...(isFlipped || strings.length === 0 ? [] : ["hammer"]), "string"];
+    const order = ({ kind, slot = 0, row = 0 }) => (orders.includes(kind) ? orders.indexOf(kind) : orders.length) - 0.1 * slot - 0.01 * Math.abs(row);
+    this.items.sort((a, b) => order(a) - order(b));
   }
 
   // What is in view [m]: the largest displacement of strings and bodies, or else of what is thrown, and how far that goes back.
@@ -141,8 +179,9 @@ export class Stage {
     const hammers = this.items.filter(({ kind }) => kind === "hammer").map(({ values }) => values.slice(0, this.frames));
     this.reach = Math.max(view.reach, Math.min(2e-3, ...hammers.map((values) => largest(values.filter((place) => place > -2e-3)))), 1e-9);
     this.depth = hammers.length === 0 ? null : Math.min(kFarthest * this.reach, -Math.min(0, ...hammers.map((values) => Math.min(...values))));
-    const stops = this.items.filter(({ kind, at }) => kind === "stop" && at < kBridge);
-    this.bridge = stops.length >= 8 ? stops : null;
+    const stops = this.items.filter(({ kind }) => kind === "stop");
+    this.bridge = stops.length >= 8 && stops.every(({ at }) => at < kBridge) ? stops : null;
+    this.frets = this.bridge ? [] : stops.filter(({ name }) => name !== "slide");
   }
 
   // Where the force is largest, without motion.
@@ -154,9 +193,10 @@ export class Stage {
   }
 
   setPlaying(isPlaying) {
-    this.isPlaying = isPlaying;
-    this.play.textContent = isPlaying ? "Pause" : "Play";
+    const said = isPlaying ? "Pause" : "Play";
+    if (this.play.textContent !== said) this.play.textContent = said; // what is said again is laid out again
     this.play.classList.toggle("plays", isPlaying);
+    this.isPlaying = isPlaying;
     this.last = null;
     if (isPlaying) this.moves();
     else this.time.value = this.at / (this.length() || 1); // which is not seen: that it follows costs as much as all else
@@ -211,6 +251,7 @@ export class Stage {
     const box = { left: 30, right: width - 30, top, bottom: height - strip - 34, ...this.scaleOf(top, height - strip - 34, width) };
     this.hold = null;
     this.box = box;
+    this.drawFingerboard(context, box, value);
     for (const item of this.items) this.drawItem(context, this.slotOf(box, item), item, i, frame - i, value);
     if (this.bridge) this.drawBridge(context, box, i, frame - i);
     this.drawScale(context, { ...box, bottom: box.bottom - 4 }, { x: box.right - 56, size: Math.min(70, 0.2 * height), isBeside: true });
@@ -244,17 +285,7 @@ export class Stage {
     const total = parts.reduce((sum, [energy]) => sum + energy, 0) || 1;
     const percents = wholePercents(parts.map(([energy]) => energy / total));
     const full = width - 16 - left;
-    context.save();
-    context.beginPath();
-    context.roundRect(left, 14, full, 16, 8);
-    context.clip();
-    let x = left;
-    for (const [energy, , paint] of parts) {
-      context.fillStyle = colour(paint);
-      context.fillRect(x, 14, (energy / total) * full + 1, 16);
-      x += (energy / total) * full;
-    }
-    context.restore();
+    this.drawBars(context, parts.map(([energy, , paint]) => [(energy / total) * full, paint]), left, full);
     let [at, line] = [left, wide ? 50 : 48];
     const font = `${wide ? 14 : 12}px system-ui`;
     const put = (text, room, paint) => {
@@ -268,6 +299,26 @@ export class Stage {
     put(`${readable(Number((1000 * total).toPrecision(3)))} mJ`, wide ? 74 : 62);
     parts.forEach(([, label, paint], k) => put(`${label} ${percents[k]} %`, context.measureText(`${label} 100 %`).width + 24, paint));
     return line + 10;
+  }
+
+  // Bars side by side, whose outer ends are round. The widest is drawn first, as long as all.
+  drawBars(context, bars, left, full) {
+    const widest = bars.reduce((best, bar) => (bar[0] > best[0] ? bar : best));
+    context.fillStyle = colour(widest[1]);
+    context.beginPath();
+    context.roundRect(left, 14, full, 16, 8);
+    context.fill();
+    let x = left;
+    for (const bar of bars) {
+      const [width, paint] = bar, end = Math.min(x + width, left + full);
+      if (bar !== widest && width > 0.5) {
+        context.fillStyle = colour(paint);
+        context.beginPath();
+        context.roundRect(x, 14, end - x, 16, [x < left + 8 ? 8 : 0, end > left + full - 8 ? 8 : 0, end > left + full - 8 ? 8 : 0, x < left + 8 ? 8 : 0]);
+        context.fill();
+      }
+      x += width;
+    }
   }
 
   // What to do first, beside what can be pulled.
@@ -302,11 +353,14 @@ export class Stage {
   }
 
   // The part of the box where an item is drawn.
-  slotOf(box, { kind, slot }) {
-    if (this.slots === 1) return box;
-    const number = slot ?? (kind === "hammer" ? 0 : this.slots - 1);
+  slotOf(box, { kind, slot, row }) {
+    if (this.discs.length === 0) return row ? { ...box, middle: box.middle + row * kStringsApart * this.size } : box;
+    const half = Math.min((box.right - box.left) / 2, kDiscOverHeight * (box.bottom - box.top));
+    const middle = (box.left + box.right) / 2;
+    const number = slot ?? (kind === "string" || kind === "touch" ? this.slots - 1 : 0);
     const size = (box.bottom - box.top) / this.slots;
-    return { ...box, top: box.top + number * size, middle: box.top + (number + 0.5) * size, bottom: box.top + (number + 1) * size };
+    const top = box.top + number * size;
+    return { ...box, left: middle - half, right: middle + half, top, middle: top + size / 2 + (row ?? 0) * kStringsApart * this.size, bottom: top + size };
   }
 
   // A displacement as a height on the canvas.
@@ -316,16 +370,29 @@ export class Stage {
 
   drawItem(context, box, item, i, part, value) {
     const across = (at) => box.left + (box.right - box.left) * at;
-    if (item.kind === "wall") this.drawWall(context, box);
-    if (item.kind === "string") this.drawString(context, box, item, this.curve(item, i, part), value);
-    if (item.kind === "surface") this.drawSurface(context, box, item, this.curve(item, i, part));
-    if (item.kind === "body") this.drawBody(context, box, this.curve(item, i, part));
-    if (item.kind === "hammer") this.drawHammer(context, box, item, across(item.at), value, this.shape(i, part));
-    if (item.kind === "stop" && !this.bridge?.includes(item)) {
+    const { kind } = item;
+    const curve = item.points && this.curve(item, i, part);
+    if (kind === "wall") this.drawWall(context, box);
+    if (kind === "string") this.drawString(context, box, item, curve, value);
+    if (kind === "surface") this.drawSurface(context, box, item, curve);
+    if (kind === "bar") this.drawBar(context, box, curve);
+    if (kind === "tube") this.drawTube(context, box, across(item.at), curve[0]);
+    if (kind === "board") this.drawBoard(context, box, across(item.at), item, curve[0]);
+    if (kind === "weight") this.drawWeight(context, across(item.at), this.height(box, this.stringAt(item.at, i, part)), item);
+    if (kind === "hammer") this.drawHammer(context, box, item, across(item.at), value, this.shape(i, part));
+    if (kind === "bow") this.drawBow(context, box, item, across(item.at), i, part);
+    if (kind === "stop" && !this.bridge?.includes(item)) {
       const x = across(item.places ? value(item.places) : item.at);
       this.drawStop(context, x, this.height(box, item.values ? value(item.values) : item.height), item, value(item.forces), box);
     }
-    if (item.kind === "touch") this.drawTouch(context, across(item.at), box.middle, value(item.forces));
+    if (kind === "touch") this.drawTouch(context, across(item.at), box.middle, value(item.forces));
+  }
+
+  // The displacement of the string that is played, at a part of its length.
+  stringAt(at, i, part) {
+    const curve = this.curve(this.string, i, part);
+    const p = at * (curve.length - 1), k = Math.min(curve.length - 2, Math.floor(p));
+    return curve[k] + (curve[k + 1] - curve[k]) * (p - k);
   }
 
   // The displacements of an item, between two frames.
@@ -340,42 +407,56 @@ export class Stage {
     context.strokeStyle = colour("blue");
     context.lineJoin = "round";
     if (!this.pulled) this.drawTraces(context, box, item, across);
-    context.beginPath();
+    const path = new Path2D();
     const { plucks } = this.study.scene;
+    const key = item.hz ? keyOf(item.hz) : this.key;
     const finger = plucks?.column === item.column ? across(plucks.at * (curve.length - 1)) : null;
     if (this.pulled && finger !== null) {
-      context.moveTo(box.left, box.middle);
-      context.lineTo(finger, box.middle + this.pulled.power * this.pulled.side * this.wayOf(box));
-      context.lineTo(box.right, box.middle);
+      path.moveTo(box.left, box.middle);
+      path.lineTo(finger, box.middle + this.pulled.power * this.pulled.side * this.wayOf(box));
+      path.lineTo(box.right, box.middle);
     } else {
-      curve.forEach((y, p) => context.lineTo(across(p), this.height(box, y)));
+      curve.forEach((y, p) => path.lineTo(across(p), this.height(box, y)));
     }
-    this.strokeString(context);
-    for (const [x, out] of item.boards ? [[box.left, -1]] : [[box.left, -1], [box.right, 1]]) this.drawEnd(context, x, box.middle, out);
-    if (item.boards) this.drawBoard(context, box, item, value(item.boards));
+    const { count = 1 } = item;
+    for (let k = 0; k < count; ++k) {
+      context.save();
+      context.translate(0, (k - (count - 1) / 2) * kStringsApart * this.size);
+      this.strokeString(context, path, key);
+      context.restore();
+    }
+    const ends = [[box.left, -1], [box.right, 1]].filter(([, out]) => !(out > 0 && item.boards) && !this.isNeck(out));
+    if (item.row === 0) for (const [x, out] of ends) this.drawEnd(context, x, box.middle, out);
+    if (item.boards) this.drawBoard(context, box, box.right, item, value(item.boards));
     if (finger !== null) this.drawFinger(context, box, finger, curve[Math.round(plucks.at * (curve.length - 1))]);
   }
 
-  // The path of now as a string: thicker the lower its key, the lowest with windings, with light on it.
-  strokeString(context) {
-    const size = this.key === null ? 5 : 3.5 + 0.07 * Math.max(0, 96 - this.key);
-    context.lineWidth = size;
-    context.stroke();
-    if (this.key !== null && this.key < kFirstPlain) {
-      context.save();
-      context.strokeStyle = colour("paper");
-      context.globalAlpha = 0.45;
-      context.setLineDash([1, 3]);
-      context.stroke();
-      context.restore();
-    }
+  // A path as a string: thicker the lower its key, the lowest with windings, with light on it. Wires of a drum are thin.
+  strokeString(context, path, key) {
+    const size = this.discs.length > 0 ? 2 : key === null ? 5 : 3.5 + 0.07 * Math.max(0, 96 - key);
+    const isWound = key !== null && key < kFirstPlain && this.discs.length === 0;
     context.save();
-    context.translate(0, -size / 5);
-    context.strokeStyle = "#ffffff";
-    context.globalAlpha = 0.4;
-    context.lineWidth = size / 4;
-    context.stroke();
+    Object.assign(context, { lineWidth: size, strokeStyle: isWound ? this.windings(context) : colour("blue"), lineJoin: "round" });
+    context.stroke(path);
+    if (this.discs.length === 0) {
+      context.translate(0, -size / 5);
+      Object.assign(context, { strokeStyle: "#ffffff", globalAlpha: 0.4, lineWidth: 1 });
+      context.stroke(path);
+    }
     context.restore();
+  }
+
+  // Turns of wire as a pattern, which costs less than dashes.
+  windings(context) {
+    const paints = ["blue", "paper"].map(colour);
+    if (this.wound?.paints.every((paint, k) => paint === paints[k])) return this.wound.pattern;
+    const turn = Object.assign(document.createElement("canvas"), { width: 4, height: 1 });
+    const one = turn.getContext("2d");
+    one.fillStyle = paints[0];
+    one.fillRect(0, 0, 4, 1);
+    Object.assign(one, { fillStyle: paints[1], globalAlpha: 0.45 }).fillRect(0, 0, 1, 1);
+    this.wound = { paints, pattern: context.createPattern(turn, "repeat") };
+    return this.wound.pattern;
   }
 
   // What a string lies on, out: to which side it goes on.
@@ -395,11 +476,11 @@ export class Stage {
   // Where a string has just been, paler the longer ago.
   drawTraces(context, box, { column, points }, across) {
     const now = Math.floor(this.at * this.study.sampleRate);
-    context.lineWidth = 1.5;
+    context.lineWidth = 1; // hairlines cost little
     for (let k = kTraces; k > 0; --k) {
       const i = now - Math.round(k * kTrace * this.study.sampleRate);
       if (i < 0) continue;
-      context.globalAlpha = 0.45 / k;
+      context.globalAlpha = 0.6 / k;
       context.beginPath();
       const shape = this.study.points(i, column, points);
       for (let p = 0; p < points; p += kTraced) context.lineTo(across(p), this.height(box, shape[p]));
@@ -408,29 +489,82 @@ export class Stage {
     context.globalAlpha = 1;
   }
 
-  // Where a string is plucked: a ring to pull at.
+  // Where a string is plucked: a ring to pull at, and the finger while it pulls or shall be pulled.
   drawFinger(context, box, x, displacement) {
     const y = this.pulled ? box.middle + this.pulled.power * this.pulled.side * this.wayOf(box) : this.height(box, displacement);
+    if (this.pulled || this.isInviting) {
+      context.save();
+      context.translate(x, y - 4);
+      context.scale(this.size, this.size);
+      context.beginPath();
+      context.rect(-60, -20, 120, 90);
+      context.clip();
+      drawFingertip(context, 0);
+      context.restore();
+    }
     context.strokeStyle = colour("accent");
     context.lineWidth = 2;
     context.beginPath();
     context.arc(x, y, 9, 0, 2 * Math.PI);
     context.stroke();
-    if (this.pulled) this.write(context, this.pulled.text, x + 18, y + 5, "ink", "600 14px system-ui");
+    if (this.pulled) this.write(context, this.pulled.text, x + 24 * this.size, y + 5, "ink", "600 14px system-ui");
     this.hold = { x, y, down: 0 };
   }
 
-  // A membrane seen from the side, blue where its displacement is positive, in the accent's colour where it is negative.
-  drawSurface(context, box, { quads }, curve) {
+  // A membrane or a plate seen from the side, blue where its displacement is positive, in the accent's colour where it is negative.
+  drawSurface(context, box, { quads, slot, isPlate }, curve) {
+    const { rims } = quads;
     const [rx, cx] = [(box.right - box.left) / 2, (box.left + box.right) / 2];
     const ry = Math.min(kTilt * rx, 0.36 * (box.bottom - box.top));
+    const rim = { x: cx, y: box.middle, rx, ry };
+    const lower = { ...rim, y: box.middle + box.bottom - box.top };
+    const hasShell = slot === 0 && this.slots > 1;
     const height = ({ at }) => (at === null ? 0 : curve[at]);
-    const shades = this.shades();
-    const shadeOf = ([a, b, c, d]) => Math.round(kShades + kShades * Math.max(-1, Math.min(1, (0.4 * (height(a) + height(b) + height(c) + height(d))) / this.reach)));
     const x = (corner) => cx + corner.x * rx, y = (corner) => box.middle + corner.y * ry - height(corner) * box.unit;
-    let last = null; // shade of the path: neighbours of one shade are filled at once
+    if (hasShell) drawShell(context, [rim, lower]);
+    if (isPlate) this.drawEdge(context, rims, x, y);
+    const shades = this.shades(isPlate ? "bronze" : "panel");
+    this.fillRim(context, rims, { x, y }, shades[kShades]);
+    if (slot === 0) this.fillQuads(context, quads, { x, y, height }, shades); // behind the shell lines suffice
+    context.strokeStyle = colour(isPlate ? "ink" : "soft");
+    Object.assign(context, { lineWidth: 0.5, globalAlpha: isPlate ? 0.35 : 0.7 });
+    context.beginPath();
+    for (const ring of quads.rings) {
+      ring.forEach((corner, k) => (k === 0 ? context.moveTo(x(corner), y(corner)) : context.lineTo(x(corner), y(corner))));
+      context.closePath();
+    }
+    context.stroke();
+    context.globalAlpha = 1;
+    if (isPlate) return;
+    Object.assign(context, { strokeStyle: colour("ink"), lineWidth: slot === 0 ? 4 : 2 });
+    context.beginPath();
+    context.ellipse(cx, box.middle, rx, ry, 0, 0, 2 * Math.PI);
+    context.stroke();
+  }
+
+  // All of a disc in the colour of rest.
+  fillRim(context, rims, { x, y }, paint) {
+    context.fillStyle = paint;
+    context.beginPath();
+    for (const corner of rims) context.lineTo(x(corner), y(corner));
+    context.fill();
+  }
+
+  // The edge of a plate, which is as thick as its rim looks.
+  drawEdge(context, rims, x, y) {
+    context.fillStyle = colour("wood");
+    context.beginPath();
+    for (const corner of rims) context.lineTo(x(corner), y(corner) + 7 * this.size);
+    context.fill();
+  }
+
+  // Quadrilaterals from back to front that are not as at rest, of which neighbours of one shade are filled at once.
+  fillQuads(context, quads, { x, y, height }, shades) {
+    const shadeOf = ([a, b, c, d]) => Math.round(kShades + kShades * Math.max(-1, Math.min(1, (0.4 * (height(a) + height(b) + height(c) + height(d))) / this.reach)));
+    let last = null;
     for (const corners of quads) {
       const shade = shadeOf(corners);
+      if (shade === kShades) continue;
       if (shade !== last) {
         if (last !== null) context.fill();
         context.fillStyle = shades[(last = shade)];
@@ -439,27 +573,12 @@ export class Stage {
       context.moveTo(x(corners[0]), y(corners[0]));
       for (const k of [1, 2, 3]) context.lineTo(x(corners[k]), y(corners[k]));
     }
-    context.fill();
-    context.strokeStyle = colour("soft");
-    Object.assign(context, { lineWidth: 0.5, globalAlpha: 0.7 });
-    context.beginPath();
-    for (const [, b, c] of quads) {
-      if (b.at === null) continue; // the rim
-      context.moveTo(x(b), y(b));
-      context.lineTo(x(c), y(c));
-    }
-    context.stroke();
-    context.globalAlpha = 1;
-    context.strokeStyle = colour("ink");
-    context.lineWidth = 2;
-    context.beginPath();
-    context.ellipse(cx, box.middle, rx, ry, 0, 0, 2 * Math.PI);
-    context.stroke();
+    if (last !== null) context.fill();
   }
 
-  // Colours of a membrane from its lowest to its highest place.
-  shades() {
-    const paints = ["accent", "panel", "blue"].map((name) => colour(name));
+  // Colours of a disc from its lowest to its highest place.
+  shades(middle) {
+    const paints = ["accent", middle, "blue"].map((name) => colour(name));
     if (this.painted?.paints.every((paint, k) => paint === paints[k])) return this.painted.shades;
     const parts = paints.map((paint) => [1, 3, 5].map((at) => parseInt(paint.slice(at, at + 2), 16)));
     const mixed = (k) => parts[k < 0 ? 0 : 2].map((to, c) => Math.round(parts[1][c] + (to - parts[1][c]) * Math.min(0.9, 0.06 + Math.abs(k) / kShades)));
@@ -468,30 +587,67 @@ export class Stage {
     return shades;
   }
 
-  // The board moves too little to be seen: it is drawn larger, up to a fifth of the height.
-  drawBoard(context, box, { boards }, now) {
-    const zoom = roundDown((0.45 * this.reach) / Math.max(largest(boards), 1e-12));
-    const y = this.height(box, now * zoom);
-    context.fillStyle = colour("wood");
-    context.fillRect(box.right - 70, y, 76, 9);
-    context.fillStyle = colour("ink");
-    context.fillRect(box.right - 4, Math.min(y, box.middle), 6, Math.abs(y - box.middle) + 3);
-    this.write(context, `board × ${zoom}`, box.right - 70, Math.max(y, box.middle) + 28, "soft");
+  // A bridge on its board, which moves too little to be seen: it is drawn larger, up to a fifth of the height.
+  drawBoard(context, box, x, item, now) {
+    item.zoom ??= roundDown((0.45 * this.reach) / Math.max(largest(item.boards || this.study.column(item.column)), 1e-12));
+    const below = 26 * this.size;
+    const y = item.boards ? this.height(box, now * item.zoom) : box.middle - now * item.zoom * box.unit;
+    const left = x - 0.22 * (box.right - box.left), right = Math.min(x + 0.1 * (box.right - box.left), box.right + 20);
+    drawBridgeFoot(context, x, y, below, this.size);
+    drawPlank(context, left, right, y + below, 11 * this.size);
+    this.write(context, `board × ${readable(item.zoom)}`, Math.min(left, right - 80), y + below + 11 * this.size + 18, "soft");
   }
 
-  drawBody(context, box, curve) {
-    const across = (p) => box.left + (box.right - box.left) * ((p + 1) / (curve.length + 1));
-    context.fillStyle = colour("green");
-    context.strokeStyle = colour("line");
-    context.lineWidth = 2;
+  // A bar, free at both ends, on the cords of its nodes.
+  drawBar(context, box, curve) {
+    const across = (p) => box.left + ((box.right - box.left) * p) / (curve.length - 1);
+    const thick = 20 * this.size;
+    drawWoodenBar(context, curve.map((y, p) => [across(p), this.height(box, y)]), thick);
+    for (const node of [0.224, 0.776]) {
+      const x = box.left + node * (box.right - box.left);
+      context.fillStyle = colour("paper");
+      context.beginPath();
+      context.ellipse(x, box.middle + thick / 2, 3, 4, 0, 0, 2 * Math.PI);
+      context.fill();
+    }
+  }
+
+  drawTube(context, box, x, displacement) {
+    const half = 46 * this.size;
+    const top = box.middle + 44 * this.size;
+    drawMetalTube(context, x, top, box.bottom + 8, half, Math.max(-20, Math.min(20, displacement * Math.abs(box.unit))));
+  }
+
+  // A mass that lies on a string, or is held around it.
+  drawWeight(context, x, y, { isAround }) {
+    const { size } = this;
+    if (isAround) drawBolt(context, x, y, size);
+    else drawSteel(context, x, y - 17 * size, 15 * size, false);
+  }
+
+  // A bow under which the string moves up and down. Its hair holds the string, or the string slips along it.
+  drawBow(context, box, { at, string, slid }, x, i, part) {
+    const item = this.items.find((other) => other.kind === "string" && other.column === string);
+    const curve = this.curve(item, i, part);
+    const y = this.height(box, curve[Math.round(at * (curve.length - 1))]);
+    const way = slid[i] + (slid[i + 1] - slid[i]) * part;
+    const sticks = this.sticks(slid, i);
+    drawBowHair(context, { x, y, top: box.top - 4, bottom: box.bottom, moved: -way * box.unit, sticks });
+    context.save(); // the string lies on the hair
     context.beginPath();
-    context.moveTo(box.left, box.middle);
-    context.lineTo(box.right, box.middle);
-    context.stroke();
-    curve.forEach((y, p) => {
-      context.fillRect(across(p) - 5, this.height(box, y) - 5, 10, 10);
-      context.fillRect(across(p) - 1, Math.min(box.middle, this.height(box, y)), 2, Math.abs(this.height(box, y) - box.middle));
-    });
+    context.rect(x - 12, box.top, 24, box.bottom - box.top);
+    context.clip();
+    const path = new Path2D();
+    curve.forEach((displacement, p) => path.lineTo(box.left + ((box.right - box.left) * p) / (curve.length - 1), this.height(box, displacement)));
+    this.strokeString(context, path, keyOf(item.hz));
+    context.restore();
+    this.write(context, sticks ? "sticks" : "slips", x + 40, box.top + 14, sticks ? "blue" : "accent", `italic 16px ${kTitles}`);
+  }
+
+  // Hair that slips goes past the string faster than it creeps while it sticks.
+  sticks(slid, i) {
+    this.fastest ??= slid.reduce((most, way, k) => (k === 0 ? 0 : Math.max(most, Math.abs(way - slid[k - 1]))), 0);
+    return Math.abs(slid[i + 1] - slid[i]) < kSticks * this.fastest;
   }
 
   drawWall(context, box) {
@@ -500,16 +656,33 @@ export class Stage {
     this.write(context, "rigid barrier", box.left + 8, box.middle - 20, "soft");
   }
 
-  // A point that a string meets; it is filled while it pushes.
+  // What a string meets: a slide of steel, or a fret. It is in the accent's colour while it pushes.
   drawStop(context, x, y, { side, name }, force, box) {
     const away = Math.sign(side * -box.unit); // to where the stop continues on the canvas
-    context.fillStyle = colour(force > 0 ? "accent" : "soft");
-    context.beginPath();
-    context.moveTo(x, y);
-    context.lineTo(x - 7, y + 16 * away);
-    context.lineTo(x + 7, y + 16 * away);
-    context.fill();
-    if (name) this.write(context, name, x + 12, y + 16 * away + 4, "soft");
+    if (name === "slide") drawSteel(context, x, y + 17 * away, 16, force > 0);
+    else drawFretWire(context, x, y, away, force > 0);
+    if (name) this.write(context, name, x > box.right - 60 ? x - 40 : x + 24, y + 17 * away + 5, "soft");
+  }
+
+  // Is the end to the left, -1, or to the right, 1, that of a neck with frets?
+  isNeck(out) {
+    return this.frets.length > 0 && out > 0 === (this.frets[0].places?.[0] ?? this.frets[0].at) > 0.5;
+  }
+
+  // The wood in which frets stand.
+  drawFingerboard(context, box, value) {
+    if (this.frets.length === 0) return;
+    const { side } = this.frets[0];
+    const away = Math.sign(side * -box.unit);
+    const places = this.frets.map(({ at, places }) => (places ? value(places) : at));
+    const heights = this.frets.map(({ height, values }) => this.height(box, values ? value(values) : height));
+    const edge = (away > 0 ? Math.max(...heights) : Math.min(...heights)) + 7 * away;
+    const across = (at) => box.left + (box.right - box.left) * at;
+    // A single fret is where the neck ends, at one side or the other.
+    const [first, last] = [Math.min(...places), Math.max(...places)];
+    const [left, right] = first > 0.5 ? [across(first) - 60, box.right + 20] : [box.left - 20, across(last) + 60];
+    const thick = 24 * this.size;
+    drawPlank(context, left, right, away > 0 ? edge : edge - thick, thick);
   }
 
   drawTouch(context, x, y, force) {
@@ -519,7 +692,7 @@ export class Stage {
     context.fill();
   }
 
-  // The felt yields where it meets the string: its top stays at the string. Far away the hammer waits where it is seen.
+  // What strikes yields where it meets something: its top stays there. Far away it waits where it is seen.
   drawHammer(context, box, item, x, value, string) {
     const place = this.pulled?.place ?? null;
     if (place !== null) x = box.left + (box.right - box.left) * place;
@@ -527,36 +700,62 @@ export class Stage {
     const { size, pulled } = this;
     const compression = Math.max(0, value(item.compressions));
     const squeezed = pulled ? 0 : Math.min(0.5 * kFelt, (compression * Math.abs(box.unit)) / size);
-    const touched = (displacement) => this.height(box, displacement + (item.surface ?? 0));
+    const rest = this.height(box, 0);
     const farthest = down > 0 ? box.bottom - kHead * size : box.top + kHead * size;
-    const seen = touched(value(item.values) - compression);
-    const top = pulled ? touched(0) + pulled.power * this.wayOf(box) * down : down > 0 ? Math.min(seen, farthest) : Math.max(seen, farthest);
-    const hasShank = down > 0 && string !== null;
-    if (hasShank) this.drawShank(context, box, x, top - squeezed * size, touched(0));
-    else this.drawStick(context, box, x, top + down * (kFelt - squeezed) * size, down);
+    const seen = this.height(box, value(item.values) + (item.surface ?? 0) - compression);
+    const top = pulled ? rest + pulled.power * this.wayOf(box) * down : down > 0 ? Math.min(seen, farthest) : Math.max(seen, farthest);
+    const shape = this.shapeOf(item);
+    const hasShank = down > 0 && string !== null && shape === "hammer";
+    if (hasShank) this.drawShank(context, box, x, top - squeezed * size, rest);
+    else if (shape === "hammer") this.drawStick(context, box, x, top + down * (kFelt - squeezed) * size, down);
     context.save();
-    if (hasShank) this.clipBelow(context, box, string);
+    if (!hasShank) this.clipTo(context, box);
     context.translate(x, top);
     context.scale(size, down * size);
-    this.drawHead(context, kFelt - squeezed, squeezed);
+    if (shape === "hammer") drawHammerHead(context, kFelt - squeezed, squeezed);
+    if (shape === "ball") drawBall(context, squeezed);
+    if (shape === "stick") drawDrumStick(context);
+    if (shape === "finger") drawFingertip(context, squeezed);
     context.restore();
+    if (hasShank) this.coverAbove(context, box, string, x, top);
     this.hold = { x, y: top + down * 0.4 * kHead * size, down, aside: hasShank ? 0 : 34 * size, top: Math.min(top, top + down * kHead * size), bottom: Math.max(top, top + down * kHead * size) };
     if (pulled) this.write(context, pulled.text, x + 34 * size, top + down * 20, "ink", "600 14px system-ui");
   }
 
-  // The displacements of the first string, or null.
-  shape(i, part) {
-    const string = this.items.find(({ kind }) => kind === "string");
-    return string ? this.curve(string, i, part) : null;
+  // What strikes, by the name of what it is thrown by; drums are struck by sticks.
+  shapeOf({ name }) {
+    const known = name.replace("strike_", "").split("_")[0];
+    return kBlow[known] ?? (this.discs.length > 0 ? "stick" : "hammer");
   }
 
-  // Felt takes the shape of the string that it meets.
-  clipBelow(context, box, curve) {
+  clipTo(context, box) {
     context.beginPath();
-    curve.forEach((y, p) => context.lineTo(box.left + ((box.right - box.left) * p) / (curve.length - 1), this.height(box, y)));
-    for (const x of [this.canvas.clientWidth, 0]) context.lineTo(x, this.canvas.clientHeight);
-    context.lineTo(0, box.middle);
+    context.rect(0, box.top - 8, this.canvas.clientWidth, box.bottom - box.top + 14);
     context.clip();
+  }
+
+  // The displacements of the string that is played, or null.
+  shape(i, part) {
+    return this.string ? this.curve(this.string, i, part) : null;
+  }
+
+  // Felt takes the shape of the string that it meets: what is drawn of it above the string is covered. A clip would cost more.
+  coverAbove(context, box, curve, x, top) {
+    const across = (p) => box.left + ((box.right - box.left) * p) / (curve.length - 1);
+    const half = kHeadHalf * this.size;
+    const [first, last] = [x - half, x + half].map((at) => Math.max(0, Math.min(curve.length - 1, Math.round(((at - box.left) / (box.right - box.left)) * (curve.length - 1)))));
+    const above = top - 3;
+    context.fillStyle = colour("paper");
+    context.beginPath();
+    context.moveTo(across(first), above);
+    let isHigher = false;
+    for (let p = first; p <= last; ++p) {
+      const y = this.height(box, curve[p]);
+      isHigher ||= y > above;
+      context.lineTo(across(p), Math.max(above, y));
+    }
+    context.lineTo(across(last), above);
+    if (isHigher) context.fill();
   }
 
   // Pixels by which something is pulled for all of its power.
@@ -564,45 +763,6 @@ export class Stage {
     if (this.depth === null) return Math.max(kLeastReach, Math.min(kReach, (box.bottom - box.top) / 2 - 12));
     const room = (box.unit > 0 ? box.bottom - box.middle : box.middle - box.top) - kHead * this.size;
     return Math.max(kLeastReach, Math.min(kReach, room));
-  }
-
-  // Felt of so much depth around a wooden core: layers that lie closer when they are pressed. The string is at (0, 0).
-  drawHead(context, depth, squeezed) {
-    const layer = (part) => {
-      const [w, top, base] = [part * (22 + 0.3 * squeezed), depth * (1 - part) * 0.72, depth + 9];
-      const flat = part * (2 + 0.4 * squeezed);
-      context.beginPath();
-      context.moveTo(-flat, top);
-      context.lineTo(flat, top);
-      context.bezierCurveTo(0.8 * w, top, w, top + 0.28 * (base - top), w, top + 0.5 * (base - top));
-      context.bezierCurveTo(w, base - 6, 0.7 * w, base, 8, base);
-      context.lineTo(-8, base);
-      context.bezierCurveTo(-0.7 * w, base, -w, base - 6, -w, top + 0.5 * (base - top));
-      context.bezierCurveTo(-w, top + 0.28 * (base - top), -0.8 * w, top, -flat, top);
-      context.closePath();
-    };
-    const fill = (paint, alpha = 1) => Object.assign(context, { fillStyle: colour(paint), globalAlpha: alpha }).fill();
-    layer(1);
-    fill("felt");
-    Object.assign(context, { strokeStyle: "#33241a", lineWidth: 0.8 });
-    for (const part of [0.88, 0.76, 0.64, 0.52]) {
-      layer(part);
-      context.globalAlpha = 0.25 + squeezed / 100;
-      context.stroke();
-    }
-    layer(0.42);
-    fill("accent");
-    context.beginPath();
-    context.moveTo(0, 0.62 * depth);
-    context.lineTo(9, depth + 2);
-    context.lineTo(8, depth + 34);
-    context.quadraticCurveTo(0, depth + 40, -8, depth + 34);
-    context.lineTo(-9, depth + 2);
-    context.closePath();
-    fill("wood");
-    context.globalAlpha = 0.35;
-    context.stroke();
-    context.globalAlpha = 1;
   }
 
   // From the head along the string to where it turns, which stays in its place.
@@ -628,9 +788,7 @@ export class Stage {
 
   drawStick(context, box, x, y, down) {
     context.save();
-    context.beginPath();
-    context.rect(0, box.top - 8, this.canvas.clientWidth, box.bottom - box.top + 14);
-    context.clip();
+    this.clipTo(context, box);
     context.fillStyle = colour("wood");
     context.fillRect(x - 5 * this.size, down > 0 ? y : y - 400, 10 * this.size, 400);
     context.restore();
@@ -638,8 +796,7 @@ export class Stage {
 
   // The points of a bridge near the end of the string, larger in both directions.
   drawBridge(context, box, i, part) {
-    const string = this.items.find(({ kind }) => kind === "string");
-    const curve = this.curve(string, i, part);
+    const curve = this.curve(this.string, i, part);
     const end = this.bridge.at(-1).at * 1.4;
     const at = (place) => {
       const p = place * (curve.length - 1);
@@ -659,13 +816,23 @@ export class Stage {
     context.save();
     context.clip();
     const across = (place) => inset.left + ((inset.right - inset.left) * place) / end;
-    for (const stop of this.bridge)
-      this.drawStop(context, across(stop.at), this.height(inner, stop.height), stop, stop.forces[i], inner);
-    context.strokeStyle = colour("blue");
-    context.lineWidth = 3;
+    const tops = this.bridge.map((stop) => [across(stop.at), this.height(inner, stop.height), stop.forces[i] > 0]);
+    context.fillStyle = colour("felt");
     context.beginPath();
-    for (let p = 0; p <= 60; ++p) context.lineTo(across((end * p) / 60), this.height(inner, at((end * p) / 60)));
-    context.stroke();
+    context.moveTo(inset.left, inset.bottom);
+    context.lineTo(inset.left, tops[0][1]);
+    for (const [x, y] of tops) context.lineTo(x, y);
+    context.lineTo(tops.at(-1)[0] + 14, inset.bottom);
+    context.fill();
+    const path = new Path2D();
+    for (let p = 0; p <= 60; ++p) path.lineTo(across((end * p) / 60), this.height(inner, at((end * p) / 60)));
+    this.strokeString(context, path, null);
+    for (const [x, y, pushes] of tops) {
+      context.fillStyle = colour(pushes ? "accent" : "soft");
+      context.beginPath();
+      context.arc(x, y + 2, pushes ? 4 : 2.5, 0, 2 * Math.PI);
+      context.fill();
+    }
     const points = `bridge, ${this.bridge.length} points`, wide = inset.right - inset.left > 240;
     this.write(context, wide ? `${points}: the end of the string, larger` : points, inset.left + 10, inset.top + 18, "soft");
     this.drawScale(context, { unit: inner.unit, bottom: inset.bottom - 10 }, { x: inset.left + 10, size: 30, isBeside: true });
@@ -686,13 +853,14 @@ export class Stage {
 
   // The force of the note, filled up to the time that is shown.
   drawForce(context, { left, right, top, bottom }, frame) {
-    const { picture, peak } = this.pictureOf(right - left, bottom - top);
+    const ratio = window.devicePixelRatio || 1;
+    [left, top] = [left, top].map((at) => Math.round(at * ratio) / ratio);
+    const { picture, peak } = this.pictureOf(right - left, bottom - top, ratio);
     const x = left + ((right - left) * frame) / (this.frames - 1);
-    const part = Math.round(Math.max(0, Math.min(1, (x - left) / (right - left))) * picture.width);
-    context.globalAlpha = 0.3;
-    context.drawImage(picture, left, top, right - left, bottom - top);
-    context.globalAlpha = 1;
-    if (part > 0) context.drawImage(picture, 0, 0, part, picture.height, left, top, (part / picture.width) * (right - left), bottom - top);
+    const part = Math.round(Math.max(0, Math.min(1, (x - left) / (right - left))) * picture[0].width);
+    const [now, later] = picture; // of the same pixels as the canvas: both are copied, none is blended
+    if (part > 0) context.drawImage(now, 0, 0, part, now.height, left, top, part / ratio, now.height / ratio);
+    if (part < now.width) context.drawImage(later, part, 0, now.width - part, now.height, left + part / ratio, top, (now.width - part) / ratio, now.height / ratio);
     context.fillStyle = colour("ink");
     context.fillRect(left, bottom, right - left, 1);
     context.fillRect(x - 1, top - 4, 2, bottom - top + 8);
@@ -704,21 +872,38 @@ export class Stage {
     this.write(context, text, right - context.measureText(text).width, bottom + 15, "soft");
   }
 
-  // All of the force as a picture of this size, which is drawn once, and the largest force.
-  pictureOf(width, height) {
-    const [ratio, paint] = [window.devicePixelRatio || 1, colour("accent")];
-    const of = [this.study, width, height, ratio, paint];
+  // All of the force as two pictures of this size, which are drawn once: what has been, and paler what will be; and the largest
+  // force.
+  pictureOf(width, height, ratio) {
+    const of = [this.study, width, height, ratio, colour("accent"), colour("paper")];
     if (this.picture?.of.every((part, k) => part === of[k])) return this.picture;
-    const forces = this.forces.subarray(0, this.frames);
-    const peak = largest(forces) || 1;
-    const picture = Object.assign(document.createElement("canvas"), { width: Math.ceil(width * ratio), height: Math.ceil(height * ratio) });
-    const context = picture.getContext("2d");
-    context.fillStyle = paint;
-    context.moveTo(0, picture.height);
-    forces.forEach((force, i) => context.lineTo((picture.width * i) / (forces.length - 1), picture.height * (1 - force / peak)));
-    context.lineTo(picture.width, picture.height);
-    context.fill();
-    return (this.picture = { of, picture, peak });
+    const peak = largest(this.forces.subarray(0, this.frames)) || 1;
+    const [w, h] = [Math.ceil(width * ratio), Math.ceil(height * ratio)];
+    const pieces = Math.min(this.frames - 1, w);
+    const path = new Path2D();
+    path.moveTo(0, h);
+    for (let i = 0; i <= pieces; ++i) path.lineTo((w * i) / pieces, h * (1 - this.forces[Math.round((i * (this.frames - 1)) / pieces)] / peak));
+    path.lineTo(w, h);
+    this.pictures ??= [0, 1].map(() => document.createElement("canvas"));
+    const bow = this.items.find(({ kind }) => kind === "bow");
+    this.pictures.forEach((picture, k) => {
+      if (picture.width !== w || picture.height !== h) Object.assign(picture, { width: w, height: h });
+      const context = picture.getContext("2d", { alpha: false });
+      Object.assign(context, { fillStyle: colour("paper"), globalAlpha: 1 }).fillRect(0, 0, w, h);
+      Object.assign(context, { fillStyle: colour("accent"), globalAlpha: k === 0 ? 1 : 0.3 });
+      if (bow) this.fillSlips(context, bow, { w, h, peak });
+      else context.fill(path);
+    });
+    return (this.picture = { of, picture: this.pictures, peak });
+  }
+
+  // The force of a bow in the colours of its hair, which holds the string or slips along it.
+  fillSlips(context, { slid }, { w, h, peak }) {
+    for (let i = 0; i < this.frames - 1; ++i) {
+      const high = (h * this.forces[i]) / peak;
+      context.fillStyle = colour(this.sticks(slid, i) ? "blue" : "accent");
+      context.fillRect((w * i) / (this.frames - 1), h - high, w / (this.frames - 1) + 0.5, high);
+    }
   }
 
   // Pulling a hammer back sets its speed, moving it along the string its place; letting go throws it. Pulling a string sets

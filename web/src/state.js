@@ -5,7 +5,7 @@ const within = (low, high) => (number) => number >= low && number <= high;
 const integer = (low, high) => (number) => Number.isInteger(number) && within(low, high)(number);
 
 /** The numbers of a state beside its controls, with what they may be. */
-const kNumbers = new Map([["octave", integer(1, 8)], ["key", integer(0, 127)], ["compare", within(0.1, 1000)], ["step", integer(1, 7)]]);
+const kNumbers = new Map([["octave", integer(1, 8)], ["key", integer(0, 127)], ["compare", within(0.1, 1000)], ["step", integer(1, 9)]]);
 const kThemes = ["light", "dark"];
 
 /** The instrument of the user's own file. */

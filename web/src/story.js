@@ -1,18 +1,24 @@
 // SPDX-License-Identifier: MIT
 // The story: chapters to scroll, each with one idea, one live figure and one control.
 import { readable, slider } from "./controls.js";
+import { kForces, kPlaces } from "./bowed_string.js";
+import { kMotions, Schelleng } from "./schelleng.js";
 import { linePlot } from "./plots.js";
 import { Stage, strongest, toldOf } from "./stage.js";
 import { kHard, kSoft } from "./story_numbers.js";
 import { studyOf } from "./studies.js";
 
-export const kChapters = 7;
+export const kChapters = 9;
 
 const kMiddleC = 60;
 const kHeight = 280; // pixels of a plot
 const kEnergyHeight = 200;
 const kThinned = 4; // frames for a point of energy
 const kSlowed = 1000; // times, in all scenes
+const kSoftBlow = 0.5, kHardBlow = 4; // [m/s] of the gong's beater
+const kBow = { force: 0.3, speed: 0.1, place: 0.12 }; // at first: Helmholtz' motion
+const kViolinString = 0.337, kViolinBridge = 0.325; // [m] of the violin that one hears
+const kD4 = 62; // its key
 const kMargin = "300px"; // figures are made before they are in view
 
 /** A number as people read it, with so many digits. */
@@ -47,7 +53,7 @@ function dragMoves(element, control) {
 
 export class Story {
   /** answered: when the last figure that was asked for is shown. background: computes all numbers (worker.js). instruments: what engine.cpp says of each, by name. stiffness: the slider of the
-   * comparison. hear(state, velocity) sets the page and strikes; piece() plays one; at(chapter) is told of the chapter in
+   * comparison. hear(state, velocity, key) sets the page and strikes; piece() plays one; at(chapter) is told of the chapter in
    * view, 0 before the first. moves(): something begins to move, frame() is to be called. */
   constructor({ background, instruments, stiffness, hear, piece, at, moves }) {
     Object.assign(this, { background, instruments, stiffness, hear, at, moves, chapter: 0, stages: new Map(), made: new Set() });
@@ -91,7 +97,7 @@ export class Story {
   make(article) {
     if (this.made.has(article)) return;
     this.made.add(article);
-    const makers = ["collision", "blows", "spline", "step", "balance", "contacts", "piano"];
+    const makers = ["collision", "blows", "spline", "step", "balance", "contacts", "piano", "gong", "bow"];
     this[makers[this.chapters.indexOf(article)]](article);
   }
 
@@ -102,6 +108,7 @@ export class Story {
 
   draw() {
     for (const stage of this.stages.values()) stage.draw();
+    this.diagram?.draw();
   }
 
   // The one control of a chapter, and the line that says what the figure shows. change(answer) shows what the background answers
@@ -204,9 +211,88 @@ export class Story {
     this.scene(article, { instrument: "piano", parameter: "stiffness_ratio", label: "A hammer of the piano, its string and the board" });
   }
 
-  // A stage of an instrument with one of its parameters, from `least` on. What is thrown or pulled there is heard, too.
-  // drawn(study): of each new note.
-  scene(article, { instrument, parameter, least, label, drawn = () => {} }) {
+  gong(article) {
+    const plot = plotOf(article, "frequency [Hz]", "level over the largest [dB]", [
+      { label: `softly, ${kSoftBlow} m/s`, colour: "blue", width: 2 },
+      { label: "as it is struck", colour: "orange", width: 2 },
+    ], () => [-80, 5]);
+    const { parameters, packed } = this.instruments.get("gong");
+    const isSpeed = parameters.map(({ name }) => name === "beater_speed_m_per_s");
+    const told = noteOf(article);
+    const compare = (speed) => {
+      const given = { bytes: packed(), values: parameters.map(({ init }, p) => (isSpeed[p] ? null : init)), speeds: [kSoftBlow, speed] };
+      this.compared = this.background.latest("gong spectra", "gong", given).then((answer) => {
+        if (!answer) return;
+        plot.set(answer.data);
+        this.glides = answer.told;
+        const [soft, hard] = answer.told.map(({ begins, later }) => `${rounded(begins, 3)} Hz at the blow, ${rounded(later, 3)} Hz a third of a second later`);
+        told.textContent = `Lowest partial, softly: ${soft}. At ${rounded(speed, 2)} m/s: ${hard}.`;
+      });
+    };
+    const drawn = ({ values }) => compare(values[isSpeed.indexOf(true)]);
+    const blows = [["Strike softly", kSoftBlow], ["Strike hard", kHardBlow]];
+    this.scene(article, { instrument: "gong", parameter: "beater_speed_m_per_s", least: 0.2, most: 5, label: "A gong and its beater", drawn, blows });
+    article.querySelector(".live").append(told);
+  }
+
+  // A bow at a place, with a force and a speed, on the stage and in Schelleng's diagram of its speed.
+  bow(article) {
+    const live = article.querySelector(".live");
+    const bow = { ...kBow };
+    const { stage, row } = this.stageIn(article, "A string and its bow", {});
+    const hear = Object.assign(document.createElement("button"), { textContent: "Hear it", className: "primary" });
+    row.append(hear);
+    hear.addEventListener("click", () => {
+      const controls = { bow_normal_force_n: bow.force, bow_surface_speed_m_per_s: bow.speed, bow_place_m: kViolinBridge - bow.place * kViolinBridge };
+      this.hear({ instrument: "violin", material: { name: "felt_c4" }, controls }, null, kD4);
+    });
+    const columns = [];
+    const diagram = new Schelleng(article.querySelector("canvas.diagram"), ({ place, force }) => {
+      for (const [name, value] of Object.entries({ place, force })) controls[name].set(value);
+      Object.assign(bow, { place, force });
+      ask();
+    });
+    this.diagram = diagram;
+    const shapes = {
+      force: { label: "force of the bow [N]", min: kForces[0], max: kForces.at(-1), init: bow.force, isLogarithmic: true },
+      place: { label: "distance from the bridge, over the length", min: kPlaces[0], max: kPlaces.at(-1), init: bow.place, isLogarithmic: true },
+      speed: { label: "speed of the bow [m/s]", min: 0.03, max: 0.6, init: bow.speed, isLogarithmic: true },
+    };
+    const controls = Object.fromEntries(Object.entries(shapes).map(([name, shape]) => [name, slider(shape, (value) => {
+      bow[name] = value;
+      ask();
+      if (name === "speed") fill();
+    })]));
+    live.append(...["speed", "force", "place"].map((name) => controls[name].box));
+    const note = noteOf(article);
+    const ask = () => {
+      diagram.show(columns, bow);
+      this.answered = this.background.latest("bow", "bow", { ...bow }).then((played) => {
+        if (!played) return;
+        stage.show(studyOf(played));
+        this.bowed = played.motion;
+        note.textContent = `At ${rounded(bow.speed, 2)} m/s, ${rounded(bow.force, 2)} N and ${rounded(bow.place, 2)} of the length from the bridge: ${kMotions[played.motion].told}.`;
+      });
+    };
+    // One column after the other; another speed begins anew.
+    const fill = async () => {
+      const { speed } = bow;
+      columns.length = 0;
+      for (const place of kPlaces) {
+        const column = await this.background.ask("bowColumn", { speed, place });
+        if (speed !== bow.speed) return;
+        columns.push(column);
+        diagram.show(columns, bow);
+      }
+      this.filled = speed;
+    };
+    stage.wake();
+    ask();
+    fill();
+  }
+
+  // A stage at the top of a chapter, with a row below it. does: as Stage has it.
+  stageIn(article, label, does) {
     const live = article.querySelector(".live");
     const make = (tag, set) => Object.assign(document.createElement(tag), set);
     const canvas = make("canvas", { className: "stage" });
@@ -215,22 +301,29 @@ export class Story {
     const play = make("button", { className: "stage-play", textContent: "Pause" });
     const time = make("input", { className: "stage-time", type: "range", min: 0, max: 1, step: 0.001, value: 0 });
     time.setAttribute("aria-label", `Time: ${label}`);
-    const hear = make("button", { textContent: "Hear it", className: "primary" });
     const figure = make("figure", { className: "stage-figure" });
     figure.append(canvas, time, play);
     const row = make("div", { className: "row" });
-    row.append(hear);
     live.prepend(figure, row);
+    const stage = new Stage(canvas, { play, time, speed: { value: kSlowed } }, { ...does, moves: this.moves });
+    this.stages.set(article, stage);
+    return { stage, row };
+  }
 
+  // A stage of an instrument with one of its parameters, from `least` to `most`. What is thrown or pulled there is heard, too, and
+  // each of the blows [label, value of the parameter]. drawn(study): of each new note.
+  scene(article, { instrument, parameter, least, most, label, drawn = () => {}, blows = [["Hear it", null]] }) {
+    const live = article.querySelector(".live");
     const { parameters, velocity } = this.instruments.get(instrument);
     const values = parameters.map(({ init }) => init);
     const state = { power: null };
-    const stage = new Stage(canvas, { play, time, speed: { value: kSlowed } }, {
+    const { stage, row } = this.stageIn(article, label, {
       thrown: ({ power, place }) => {
         const { throws, moves } = stage.study.scene;
         if (place !== null && moves !== null) values[moves] = place;
         if (power !== null && throws !== null) values[throws] = power * strongest(parameters[throws]);
         if (power !== null && throws === null) state.power = power;
+        if (throws === number) control.set(values[number]);
         study();
         sound();
       },
@@ -239,7 +332,6 @@ export class Story {
         const { throws } = stage.study.scene;
         return throws === null || !values[throws] ? null : ((power * strongest(parameters[throws])) / values[throws]) ** 2;
       },
-      moves: this.moves,
     });
     stage.wake();
     const study = () => {
@@ -250,7 +342,7 @@ export class Story {
     const show = (played) => {
       stage.show(played);
       const { scene, column } = played;
-      drawn(played);
+      drawn({ ...played, values });
       const peak = rounded(Math.max(...stage.forces), 3);
       const told = [`${rounded(1000 * stage.length(), 3)} ms, ${kSlowed} times slower; at most ${peak} N.`];
       if (scene.imbalance !== undefined && scene.work > 0) {
@@ -264,16 +356,23 @@ export class Story {
       const controls = Object.fromEntries(changed);
       this.hear({ instrument, material: { name: "felt_c4" }, controls }, state.power);
     };
-    hear.addEventListener("click", sound);
+    for (const [text, value] of blows) {
+      const button = Object.assign(document.createElement("button"), { textContent: text, className: value === blows[0][1] ? "primary" : "" });
+      button.addEventListener("click", () => {
+        if (value !== null) control.set(values[number] = value);
+        if (value !== null) study();
+        sound();
+      });
+      row.append(button);
+    }
     const number = parameters.findIndex(({ name }) => name === parameter);
-    const { min } = parameters[number];
-    const control = slider({ ...parameters[number], min: least ?? min }, (value) => {
+    const { min, max } = parameters[number];
+    const control = slider({ ...parameters[number], min: least ?? min, max: most ?? max }, (value) => {
       values[number] = value;
       study();
     });
     live.append(control.box);
     const note = noteOf(article);
-    this.stages.set(article, stage);
     study();
   }
 }

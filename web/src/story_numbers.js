@@ -12,6 +12,10 @@ const kMiddleC = 60;
 const kFine = 8; // times the rate: durations are within 0.01 % of the exact ones, as `contactspline impact` shows
 const kCurve = 80; // points of a curve
 const kShown = 300; // of a blow
+const kGongHeard = 0.4, kGongPitch = 0.06; // seconds that are followed, and in which a pitch is told
+const kLowest = 60, kHighest = 200; // [Hz] between which the lowest partial of the gong is
+const kBand = 25, kGongShown = 4000; // [Hz] of its spectrum
+const kQuietest = -80; // [dB]
 const kMostShown = 2.5; // times the energy that was thrown
 
 /** The file of a felt that has this exponent, and so many uniform pieces. */
@@ -30,6 +34,54 @@ function energyAt(table, y) {
   const [knot, energy, force, curvature] = table.findLast(([begin]) => begin <= y);
   const d = y - knot;
   return energy + d * (force + d * curvature);
+}
+
+// The frequency of the lowest partial of a gong [Hz] in a Hann window of kGongPitch seconds, as its spectrum has its maximum.
+function lowestPartial(samples, from, sampleRate) {
+  const count = Math.round(kGongPitch * sampleRate);
+  let best = { level: 0, frequency: NaN };
+  for (let frequency = kLowest; frequency <= kHighest; frequency += 0.5) {
+    let [re, im] = [0, 0];
+    for (let i = 0; i < count; ++i) {
+      const x = samples[from + i] * (1 - Math.cos((2 * Math.PI * i) / count)), phase = (2 * Math.PI * frequency * i) / sampleRate;
+      re += x * Math.cos(phase);
+      im += x * Math.sin(phase);
+    }
+    const level = Math.hypot(re, im);
+    if (level > best.level) best = { level, frequency };
+  }
+  return best.frequency;
+}
+
+// The largest level in each band of kBand Hz, over the largest of all [dB], of a Hann window of all samples.
+function bandsOf(samples, sampleRate) {
+  const size = 2 ** Math.floor(Math.log2(samples.length));
+  const [re, im] = [Float64Array.from({ length: size }, (_, i) => samples[i] * (1 - Math.cos((2 * Math.PI * i) / size))), new Float64Array(size)];
+  transform(re, im);
+  const bands = new Float64Array(Math.round(kGongShown / kBand));
+  for (let bin = 1; bin < size / 2; ++bin) {
+    const band = Math.floor((bin * sampleRate) / size / kBand);
+    if (band < bands.length) bands[band] = Math.max(bands[band], Math.hypot(re[bin], im[bin]));
+  }
+  const most = Math.max(...bands);
+  return Array.from(bands, (level) => Math.max(kQuietest, 20 * Math.log10(level / most)));
+}
+
+// Fourier's transform in place, of a power of two of samples.
+function transform(re, im) {
+  const size = re.length;
+  for (let i = 1, j = 0; i < size; ++i) {
+    for (let bit = size >> 1; (j ^= bit) < bit; bit >>= 1);
+    if (i < j) [re[i], re[j], im[i], im[j]] = [re[j], re[i], im[j], im[i]];
+  }
+  for (let half = 1; half < size; half *= 2)
+    for (let k = 0; k < half; ++k) {
+      const [c, s] = [Math.cos((Math.PI * k) / half), -Math.sin((Math.PI * k) / half)];
+      for (let i = k; i < size; i += 2 * half) {
+        const j = i + half, a = re[j] * c - im[j] * s, b = re[j] * s + im[j] * c;
+        [re[j], im[j], re[i], im[i]] = [re[i] - a, im[i] - b, re[i] + a, im[i] + b];
+      }
+    }
 }
 
 // How long a mass touches [s]: between two samples it moves in a straight line.
@@ -110,6 +162,18 @@ export class StoryNumbers {
     const rows = [...curves, [end, null, null, force]].toSorted(([a], [b]) => a - b);
     const data = [rows.map(([y]) => 1000 * y), ...[1, 2, 3].map((k) => rows.map((row) => row[k]))];
     return { before, end, free, force, mean: mean(end), data };
+  }
+
+  /** A blow on the gong at each of the speeds [m/s]: lowest partial [Hz] at the blow and kLater after it, and { data }: spectra over
+   * their largest [dB]. values: of the gong's parameters, of which speeds take the one that is `null`. */
+  gong(bytes, values, speeds) {
+    const blows = speeds.map((speed) => {
+      const samples = this.studies.follow(bytes, values.map((value) => value ?? speed), Math.round(kGongHeard * this.sampleRate));
+      const first = samples.findIndex((x) => x !== 0);
+      const [begins, later] = [first, Math.round((kGongHeard - kGongPitch) * this.sampleRate)].map((from) => lowestPartial(samples, from, this.sampleRate));
+      return { begins, later, spectrum: bandsOf(samples.subarray(first), this.sampleRate) };
+    });
+    return { told: blows.map(({ begins, later }) => ({ begins, later })), data: [blows[0].spectrum.map((_, k) => (k + 0.5) * kBand), ...blows.map(({ spectrum }) => spectrum)] };
   }
 
   /** The strike of the comparison by the contact step: displacement of the string [m]. */

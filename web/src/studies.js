@@ -5,7 +5,11 @@ import { startModule, textAt, withTexts } from "../../hosts/npm/src/wasm_module.
 
 const kLoop = 3e-3; // seconds that are shown at least, again and again
 
-const columnOf = ({ frames, size, numbers }, k) => Float64Array.from({ length: frames }, (_, i) => numbers[i * size + k]);
+function columnOf({ frames, size, numbers }, k) {
+  const column = new Float64Array(frames);
+  for (let i = 0; i < frames; ++i) column[i] = numbers[i * size + k];
+  return column;
+}
 
 // How many frames are shown: the blow and a quarter more; and the largest displacement of strings and bodies there [m].
 function viewOf(played, { force, items }) {
@@ -42,6 +46,14 @@ export function startStudies(module, sampleRate) {
       const numbers = new Float64Array(exports.memory.buffer, address, frames * size).slice();
       const [played, scene] = [{ frames, size, numbers, sampleRate: rate }, JSON.parse(textAt(exports, exports.studies_scene()))];
       return { ...played, scene, view: viewOf(played, scene) };
+    },
+
+    /** The first event of the instrument of a file from rest: samples of its first output, or by how much its bow slips in each [m]. */
+    follow(bytes, values, samples, { isSlip = false } = {}) {
+      writeInstrument(exports, exports.studies_file_instrument, bytes);
+      new Float64Array(exports.memory.buffer, exports.studies_values(values.length), values.length).set(values);
+      const address = exports.studies_follow(samples, sampleRate, isSlip ? 1 : 0);
+      return address === 0 ? null : new Float64Array(exports.memory.buffer, address, samples).slice();
     },
 
     /** The strike of fd_hammer_c4.dsp by the contact step: displacement at the place of the strike [m]. */

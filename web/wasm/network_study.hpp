@@ -7,17 +7,19 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "contactspline/instrument/network_instrument.hpp"
 #include "contactspline/instrument/played_by_events.hpp"
-#include "web/wasm/membrane.hpp"
+#include "web/wasm/body_shapes.hpp"
 #include "web/wasm/study.hpp"
 
 namespace contactspline::web {
@@ -26,23 +28,29 @@ namespace contactspline::web {
 class NetworkGeometry {
  public:
   explicit NetworkGeometry(const InstrumentData& data) : data_(data), strings_(data.body_ends.size()) {
-    for (std::size_t b = 0; b < data.body_ends.size(); ++b) membranes_.push_back(MembraneShapes::of(data, b));
+    for (std::size_t b = 0; b < data.body_ends.size(); ++b) {
+      discs_.push_back(DiscShapes::of(data, b));
+      bars_.push_back(BarShapes::of(data, b));
+    }
     const std::size_t moving = data.place_bodies.size() - data.keyed.far_ends;
     for (std::size_t p = 0; p < data.place_bodies.size(); ++p) {
+      const std::size_t body = data.place_bodies[p];
       const auto shapes = data.shapes_of(p);
       places_.push_back(p < moving ? along_string(shapes) : std::nullopt);
-      if (places_.back()) strings_[data.place_bodies[p]] = true;
-      if (const auto& membrane = membranes_[data.place_bodies[p]])
-        places_.back() = (1 + membrane->along_diameter(shapes)) / 2;
+      if (places_.back()) strings_[body] = true;
+      if (const auto& disc = discs_[body]) places_.back() = (1 + disc->along_diameter(shapes)) / 2;
+      if (const auto& bar = bars_[body]) places_.back() = bar->along(shapes);
     }
   }
 
   [[nodiscard]] bool is_string(std::size_t body) const { return strings_[body]; }
+  /// A free mass: its one mode does not oscillate.
   [[nodiscard]] bool is_mass(std::size_t body) const {
-    return std::ranges::find(data_.strikes, body) != data_.strikes.end();
+    return data_.modes_of(body) == 1 && data_.part_of(data_.angular_frequencies, body)[0] == 0;
   }
-  [[nodiscard]] const std::optional<MembraneShapes>& membrane(std::size_t body) const { return membranes_[body]; }
-  /// Part of the length, of a membrane's diameter through the strike; nothing where the body is neither.
+  [[nodiscard]] const std::optional<DiscShapes>& disc(std::size_t body) const { return discs_[body]; }
+  [[nodiscard]] const std::optional<BarShapes>& bar(std::size_t body) const { return bars_[body]; }
+  /// Part of the length, of a disc's diameter through the strike; nothing where the body has neither.
   [[nodiscard]] std::optional<double> place(std::size_t place) const {
     return place == kGround ? std::nullopt : places_[place];
   }
@@ -62,7 +70,8 @@ class NetworkGeometry {
 
   InstrumentData data_;
   std::vector<bool> strings_;
-  std::vector<std::optional<MembraneShapes>> membranes_;  // of the bodies
+  std::vector<std::optional<DiscShapes>> discs_;  // of the bodies
+  std::vector<std::optional<BarShapes>> bars_;
   std::vector<std::optional<double>> places_;
 };
 
@@ -99,112 +108,211 @@ struct NetworkBooks {
 };
 
 inline constexpr std::size_t kNetworkHead = 5;  // numbers before those of the items
+inline constexpr std::size_t kBarPoints = 33;
 
-/// What is read from a network in each frame: the sum of the forces of its contacts, its books, and what is drawn.
+/// What is read from a network in each frame: the sum of the forces of its contacts, its books, and what is drawn:
+/// the bodies that an event reaches by connections. Where a bow plays, the force is that of its friction.
 class NetworkFrames {
  public:
-  explicit NetworkFrames(const InstrumentData& data) : data_(data), geometry_(data) {
-    for (std::size_t b = 0; b < data.body_ends.size(); ++b) {
-      if (geometry_.is_string(b))
-        add_string(b);
-      else if (!geometry_.is_mass(b))
-        add_body(b);
-    }
-    for (std::size_t k = 0; k < data.connections.size(); ++k) add_connection(k);
+  NetworkFrames(const InstrumentData& data, const Event& event) : data_(data), event_(event), geometry_(data) {
+    const std::vector<bool> reached = reached_bodies();
+    for (std::size_t b = 0; b < data.body_ends.size(); ++b)
+      if (reached[b]) add_body(b);
+    for (std::size_t k = 0; k < data.connections.size(); ++k)
+      if (const std::size_t b = moving_body(k); b != kGround && reached[b]) add_connection(k);
   }
 
   void append_to(std::vector<double>& numbers, const NetworkInstrument<double>& instrument,
                  const NetworkBooks& books) const {
     const ContactNetwork<double>& network = instrument.network();
     const double imbalance = books.bodies + books.contacts + books.lost - books.work;
-    numbers.insert(numbers.end(), {instrument.contact_force(), books.bodies, books.contacts, books.lost, imbalance});
+    double force = event_.kind == EventKind::kBow ? 0 : instrument.contact_force();
+    for (const std::size_t k : rubbing_) force += std::abs(network.force(k));
+    numbers.insert(numbers.end(), {force, books.bodies, books.contacts, books.lost, imbalance});
     for (const Curve& curve : curves_)
       for (const auto& shapes : curve.points) numbers.push_back(network.body(curve.body).displacement(shapes));
-    for (const auto& [body, shapes] : masses_) numbers.push_back(network.body(body).displacement(shapes));
     for (const std::size_t k : contacts_) {
       numbers.push_back(network.compression(k));
       numbers.push_back(network.force(k));
     }
+    for (const std::size_t k : rubbing_) {
+      numbers.push_back(network.force(k));
+      numbers.push_back(network.slip(k));
+    }
   }
 
-  [[nodiscard]] std::string scene(const Event& event, double work_j) const {
+  [[nodiscard]] std::string scene(double work_j) const {
     std::vector<std::string> items;
     std::size_t column = kNetworkHead;
     for (const Curve& curve : curves_) {
-      items.push_back(fmt::format(R"({{"kind": "{}", "column": {}, "points": {}, "rings": {}}})", curve.kind, column,
-                                  curve.points.size(), curve.kind == std::string_view("surface") ? kRings : 0));
+      if (!curve.kind.empty())
+        items.push_back(fmt::format(R"({{"kind": "{}", "column": {}, "points": {}, {}}})", curve.kind, column,
+                                    curve.points.size(), curve.more));
       column += curve.points.size();
     }
-    const std::size_t first_contact = column + masses_.size();
-    for (std::size_t i = 0; i < contacts_.size(); ++i)
-      items.push_back(contact_item(contacts_[i], column, first_contact + 2 * i));
+    for (const std::size_t k : contacts_) {
+      items.push_back(contact_item(k, column));
+      column += 2;
+    }
+    for (const std::size_t k : rubbing_) {
+      items.push_back(fmt::format(R"({{"kind": "bow", "at": {:.17g}, "string": {}, "force": {}, "slip": {}}})",
+                                  at(data_.connections[k].second),
+                                  column_of(geometry_.body(data_.connections[k].second)), column, column + 1));
+      column += 2;
+    }
     return fmt::format(
         R"({{"throws": {}, "moves": null, "plucks": {}, "force": 0, "energies": [], "isFlipped": {}, "items": [{}], )"
         R"("books": [["bodies", 1], ["contacts", 2], ["lost", 3]], "imbalance": 4, "work": {:.17g}}})",
-        event.parameter, pluck(event), has_stops() || has_membranes(), fmt::join(items, ", "), work_j);
+        event_.parameter, pluck(), is_from_above(), fmt::join(items, ", "), work_j);
   }
 
  private:
-  // Where an event plucks a string, and the first number of the string in a frame; null where it plucks none.
-  [[nodiscard]] std::string pluck(const Event& event) const {
-    if (event.kind != EventKind::kPluck) return "null";
-    const std::size_t place = data_.targets_of(data_.controls[data_.plucks[event.number]]).front();
-    std::size_t column = kNetworkHead;
-    for (const Curve& curve : curves_) {
-      if (curve.body == geometry_.body(place) && geometry_.is_string(curve.body))
-        return fmt::format(R"({{"at": {:.17g}, "column": {}}})", at(place), column);
-      column += curve.points.size();
-    }
-    return "null";
-  }
-
   struct Curve {
-    const char* kind;
+    std::string kind;  // empty: it is drawn with something else
     std::size_t body;
     std::vector<ModeShapes<double>> points;
+    std::string more;  // of its item
   };
 
-  void add_string(std::size_t b) {
-    Curve& curve = curves_.emplace_back(Curve{"string", b, {}});
-    for (std::size_t p = 0; p < kPoints; ++p)
-      curve.points.push_back(sines(data_.modes_of(b), std::numbers::pi * static_cast<double>(p) / (kPoints - 1)));
+  // What the event acts on, and what that reaches.
+  [[nodiscard]] std::vector<bool> reached_bodies() const {
+    std::vector<bool> reached(data_.body_ends.size());
+    if (event_.kind == EventKind::kStrike) reached[data_.strikes[event_.number]] = true;
+    if (event_.kind == EventKind::kPluck) reached[geometry_.body(plucked_place())] = true;
+    if (event_.kind == EventKind::kBow)
+      reached[geometry_.body(data_.connections[data_.bows[event_.number].first].second)] = true;
+    for (bool grows = true; grows;) {
+      grows = false;
+      for (const InstrumentConnection& c : data_.connections) {
+        if (c.first == kGround || c.second == kGround) continue;
+        const std::size_t a = geometry_.body(c.first), b = geometry_.body(c.second);
+        if (reached[a] == reached[b]) continue;
+        reached[a] = reached[b] = grows = true;
+      }
+    }
+    return reached;
+  }
+  [[nodiscard]] std::size_t moving_body(std::size_t k) const {
+    const InstrumentConnection& c = data_.connections[k];
+    return geometry_.body(c.first == kGround ? c.second : c.first);
+  }
+  [[nodiscard]] std::size_t plucked_place() const {
+    return data_.targets_of(data_.controls[data_.plucks[event_.number]]).front();
   }
 
-  // A membrane, or the places of a plate or a bar, side by side.
-  void add_body(std::size_t b) {
-    if (const auto& membrane = geometry_.membrane(b)) {
-      curves_.push_back({"surface", b, membrane_points(*membrane)});
-      return;
+  [[nodiscard]] std::size_t column_of(std::size_t body) const {
+    std::size_t column = kNetworkHead;
+    for (const Curve& curve : curves_) {
+      if (curve.body == body) break;
+      column += curve.points.size();
     }
-    Curve curve{"body", b, {}};
-    for (std::size_t p = 0; p < data_.place_bodies.size(); ++p)
-      if (data_.place_bodies[p] == b) curve.points.emplace_back(data_.shapes_of(p));
-    if (!curve.points.empty()) curves_.push_back(std::move(curve));
+    return column;
+  }
+
+  // Where an event plucks a string, and the first number of the string in a frame; null where it plucks none.
+  [[nodiscard]] std::string pluck() const {
+    if (event_.kind != EventKind::kPluck) return "null";
+    const std::size_t place = plucked_place(), body = geometry_.body(place);
+    if (!geometry_.is_string(body)) return "null";
+    return fmt::format(R"({{"at": {:.17g}, "column": {}}})", at(place), column_of(body));
+  }
+
+  void add_body(std::size_t b) {
+    const std::size_t modes = data_.modes_of(b);
+    const bool is_thrown = std::ranges::find(data_.strikes, b) != data_.strikes.end();
+    if (is_thrown && !is_struck_mass(b)) return;  // by another event
+    if (geometry_.is_string(b)) {
+      Curve& string = curves_.emplace_back(Curve{"string", b, {}, {}});
+      for (std::size_t p = 0; p < kPoints; ++p)
+        string.points.push_back(sines(modes, std::numbers::pi * static_cast<double>(p) / (kPoints - 1)));
+      string.more =
+          fmt::format(R"("hz": {:.6g})", data_.part_of(data_.angular_frequencies, b)[0] / (2 * std::numbers::pi));
+    } else if (const auto& disc = geometry_.disc(b)) {
+      curves_.push_back({"surface", b, disc_points(*disc),
+                         fmt::format(R"("rings": {}, "isPlate": {}, "isFree": {})", kRings, disc->is_plate(),
+                                     disc->has_free_rim())});
+    } else if (const auto& bar = geometry_.bar(b)) {
+      Curve& drawn = curves_.emplace_back(Curve{"bar", b, {}, R"("isBar": true)"});
+      for (std::size_t p = 0; p < kBarPoints; ++p)
+        drawn.points.push_back(bar->at(static_cast<double>(p) / (kBarPoints - 1)));
+    } else if (geometry_.is_mass(b)) {
+      add_mass(b);
+    } else {
+      add_held(b);
+    }
+  }
+
+  // What the event throws, which its contact draws, or a weight at a string.
+  void add_mass(std::size_t b) {
+    Curve mass{"", b, {ModeShapes<double>(std::vector<double>{1})}, {}};
+    for (const InstrumentConnection& c : data_.connections) {
+      if (c.kind != ConnectionKind::kContact && c.kind != ConnectionKind::kSpring) continue;
+      const std::size_t other = geometry_.body(c.first) == b    ? c.second
+                                : geometry_.body(c.second) == b ? c.first
+                                                                : kGround;
+      if (is_struck_mass(b) || other == kGround || !geometry_.is_string(geometry_.body(other))) continue;
+      const bool is_held = c.kind == ConnectionKind::kSpring;  // by both sides
+      const bool is_around = is_held || std::ranges::count_if(data_.connections, [&](const InstrumentConnection& x) {
+                                          return x.kind == ConnectionKind::kContact &&
+                                                 (geometry_.body(x.first) == b || geometry_.body(x.second) == b);
+                                        }) > 1;
+      mass.kind = "weight";
+      mass.more = fmt::format(R"("at": {:.17g}, "isAround": {})", at(other), is_around);
+      break;
+    }
+    curves_.push_back(std::move(mass));
+  }
+
+  // A body at a string is its board, one at a bar its tube: each by the place that it is held at. Others are not
+  // seen.
+  void add_held(std::size_t b) {
+    for (const InstrumentConnection& c : data_.connections) {
+      if (c.kind != ConnectionKind::kLink && c.kind != ConnectionKind::kSpring) continue;
+      if (c.first == kGround || c.second == kGround) continue;
+      for (const auto& [own, other] : {std::pair(c.first, c.second), std::pair(c.second, c.first)}) {
+        if (geometry_.body(own) != b) continue;
+        const std::size_t held_by = geometry_.body(other);
+        if (!geometry_.is_string(held_by) && !geometry_.bar(held_by)) continue;
+        curves_.push_back({geometry_.is_string(held_by) ? "board" : "tube",
+                           b,
+                           {ModeShapes<double>(data_.shapes_of(own))},
+                           fmt::format(R"("at": {:.17g})", at(other))});
+        return;
+      }
+    }
   }
 
   void add_connection(std::size_t k) {
     const InstrumentConnection& c = data_.connections[k];
-    if (c.kind != ConnectionKind::kContact) return;
-    contacts_.push_back(k);
-    for (const std::size_t place : {c.first, c.second})
-      if (const std::size_t body = geometry_.body(place); body != kGround && geometry_.is_mass(body))
-        masses_.push_back({body, ModeShapes<double>(std::vector<double>{1})});
+    if (c.kind == ConnectionKind::kFriction && event_.kind == EventKind::kBow) {
+      const InstrumentBow& bow = data_.bows[event_.number];
+      if (k >= bow.first && k < bow.first + bow.count) rubbing_.push_back(k);
+    }
+    if (c.kind == ConnectionKind::kContact && !is_of_other_mass(c)) contacts_.push_back(k);
+  }
+
+  [[nodiscard]] bool is_struck_mass(std::size_t body) const {
+    return event_.kind == EventKind::kStrike && data_.strikes[event_.number] == body;
+  }
+  // A weight, which its place draws, or what another event throws.
+  [[nodiscard]] bool is_of_other_mass(const InstrumentConnection& c) const {
+    return std::ranges::any_of(std::array{c.first, c.second}, [&](std::size_t place) {
+      const std::size_t body = geometry_.body(place);
+      return body != kGround && geometry_.is_mass(body) && !is_struck_mass(body);
+    });
   }
 
   // A mass that meets something, a stop in the way of a string, or two bodies that meet.
-  [[nodiscard]] std::string contact_item(std::size_t k, std::size_t first_mass, std::size_t column) const {
+  [[nodiscard]] std::string contact_item(std::size_t k, std::size_t column) const {
     const InstrumentConnection& c = data_.connections[k];
-    std::size_t masses = 0;
-    for (const std::size_t other : contacts_)
-      for (const std::size_t place : {data_.connections[other].first, data_.connections[other].second}) {
-        const std::size_t body = geometry_.body(place);
-        if (body == kGround || !geometry_.is_mass(body)) continue;
-        if (other == k)
-          return fmt::format(R"({{"kind": "hammer", "at": {}, "column": {}, "compression": {}, "surface": {:.17g}}})",
-                             at(place == c.first ? c.second : c.first), first_mass + masses, column,
-                             place == c.first ? -c.gap_m : c.gap_m);
-        ++masses;
-      }
+    for (const std::size_t place : {c.first, c.second}) {
+      const std::size_t body = geometry_.body(place);
+      if (body == kGround || !geometry_.is_mass(body)) continue;
+      return fmt::format(
+          R"({{"kind": "hammer", "name": "{}", "at": {}, "column": {}, "compression": {}, "surface": {:.17g}}})",
+          event_.name, at(place == c.first ? c.second : c.first), column_of(body), column,
+          place == c.first ? -c.gap_m : c.gap_m);
+    }
     if (c.first != kGround && c.second != kGround)
       return fmt::format(R"({{"kind": "touch", "at": {}, "force": {}}})", at(c.first), column + 1);
     const bool is_above = c.second == kGround;
@@ -213,29 +321,28 @@ class NetworkFrames {
                        column + 1);
   }
 
-  // A drum is struck from above.
-  [[nodiscard]] bool has_membranes() const {
+  // Discs and bars are struck from above, and what a string meets on the ground is drawn below it.
+  [[nodiscard]] bool is_from_above() const {
     return std::ranges::any_of(curves_,
-                               [&](const Curve& curve) { return geometry_.membrane(curve.body).has_value(); });
-  }
-
-  // What a string meets on the ground is drawn below it.
-  [[nodiscard]] bool has_stops() const {
-    return std::ranges::any_of(contacts_, [&](std::size_t k) {
-      return data_.connections[k].first == kGround || data_.connections[k].second == kGround;
-    });
+                               [](const Curve& curve) { return curve.kind == "surface" || curve.kind == "bar"; }) ||
+           std::ranges::any_of(contacts_, [&](std::size_t k) {
+             return data_.connections[k].first == kGround || data_.connections[k].second == kGround;
+           });
   }
 
   [[nodiscard]] double at(std::size_t place) const { return geometry_.place(place).value_or(0.5); }
 
   InstrumentData data_;
+  Event event_;
   NetworkGeometry geometry_;
   std::vector<Curve> curves_;
-  std::vector<std::pair<std::size_t, ModeShapes<double>>> masses_;
-  std::vector<std::size_t> contacts_;
+  std::vector<std::size_t> contacts_, rubbing_;
 };
 
 }  // namespace detail
+
+/// Seconds that a bow plays before it is shown: by then the string has its motion.
+inline constexpr double kBowed_s = 0.5;
 
 /// A key or an event of an instrument of a file. values: of its parameters.
 inline Study study_of_network(const InstrumentData& data, std::span<const double> values, std::size_t event,
@@ -254,13 +361,18 @@ inline Study study_of_network(const InstrumentData& data, std::span<const double
   detail::NetworkBooks books{data.body_ends.size()};
   books.open(instrument);
   play_event(instrument, played, values[played.parameter]);
-  const detail::NetworkFrames frames(data);
+  const double before_s = played.kind == EventKind::kBow ? kBowed_s : 0;
+  for (double left = before_s * plan.sample_rate_hz; left > 0; --left) {
+    instrument.tick();
+    books.follow(instrument);
+  }
+  const detail::NetworkFrames frames(data, played);
   for (std::size_t i = 0; i < plan.frames; ++i) {
     frames.append_to(study.numbers, instrument, books);
     instrument.tick();
     books.follow(instrument);
   }
-  study.scene = frames.scene(played, books.work);
+  study.scene = frames.scene(books.work);
   return study;
 }
 

@@ -106,6 +106,26 @@ CONTACTSPLINE_WEB(const double*, studies_play, const char* instrument, int key, 
   return study.numbers.empty() ? nullptr : study.numbers.data();
 }
 
+/// Follows the first event of the instrument of a file from rest for so many samples: its first output, or by how much
+/// its first bow slips in each [m]. Null where there is none.
+CONTACTSPLINE_WEB(const double*, studies_follow, int samples, double sample_rate_hz, int is_slip) {
+  study = {};
+  if (of_file.empty()) return nullptr;
+  const UnpackedInstrument file(of_file);
+  const InstrumentData& data = file.data();
+  NetworkInstrument<double> instrument(data);
+  if (instrument.events().empty() || (is_slip != 0 && data.bows.empty())) return nullptr;
+  instrument.prepare(sample_rate_hz);
+  for (std::size_t p = 0; p < values.size(); ++p) instrument.set(p, values[p]);
+  const Event& played = instrument.events()[0];
+  play_event(instrument, played, instrument.value(played.parameter));
+  for (int i = 0; i < samples; ++i) {
+    instrument.tick();
+    study.numbers.push_back(is_slip != 0 ? instrument.network().slip(data.bows[0].first) : instrument.output(0));
+  }
+  return study.numbers.data();
+}
+
 /// Frames of the last study, and the numbers of each.
 CONTACTSPLINE_WEB(int, studies_frames) {
   return static_cast<int>(frames);

@@ -64,9 +64,10 @@ struct HammerFrame {
   }
 };
 
-inline std::string string_item(std::size_t column, const char* more = "") {
-  return fmt::format(R"({{"kind": "string", "name": "string", "column": {}, "points": {}{}}}, )", column, kPoints,
-                     more);
+/// count: of strings side by side that move alike.
+inline std::string string_item(std::size_t column, std::size_t count = 1, const char* more = "") {
+  return fmt::format(R"({{"kind": "string", "name": "string", "column": {}, "points": {}, "count": {}{}}}, )", column,
+                     kPoints, count, more);
 }
 
 }  // namespace detail
@@ -79,6 +80,7 @@ struct StruckStrings {
   std::function<ModeShapes<double>(double position)> shapes_at;  ///< at a part of the length, under the hammer
   HammerStringControls<double> controls;
   double position, speed_m_per_s;  ///< position: part of the length
+  std::size_t count = 1;           ///< of strings that are drawn
 };
 
 /// throws, moves: as in kHammerScene.
@@ -105,7 +107,7 @@ inline Study study_of_strings(const StruckStrings& struck, std::string_view thro
   }
   study.scene =
       fmt::format(detail::kHammerScene, throws, moves, books.books().work, "hammer", "felt", R"(, ["string", 5])",
-                  detail::string_item(detail::kHammerHead), "hammer", struck.position);
+                  detail::string_item(detail::kHammerHead, struck.count), "hammer", struck.position);
   return study;
 }
 
@@ -143,7 +145,8 @@ Study study_of_course(std::span<const double> values, const StudyPlan& plan) {
                                         .felt = {values[P::kStiffnessRatio], values[P::kLoss]},
                                         .damping_per_s = values[P::kDamping]},
                            .position = values[P::kPlace] / parts.length_m,
-                           .speed_m_per_s = values[P::kSpeed] * plan.velocity},
+                           .speed_m_per_s = values[P::kSpeed] * plan.velocity,
+                           .count = parts.string->detuning_cents.size()},
                           std::to_string(P::kSpeed), "null", plan);
 }
 
@@ -267,10 +270,10 @@ inline Study study_of_piano(std::span<const double> values, const StudyPlan& pla
     books.add_loss(model, felt, controls, plan.sample_rate_hz, compression);
     books.close(model, felt, controls);
   }
-  study.scene =
-      fmt::format(detail::kHammerScene, "null", "null", count * books.books().work, "hammer", "felt",
-                  R"(, ["strings", 5], ["board", 6])", detail::string_item(detail::kHammerHead, R"(, "board": 8)"),
-                  "hammer", position_m / length_m);
+  study.scene = fmt::format(detail::kHammerScene, "null", "null", count * books.books().work, "hammer", "felt",
+                            R"(, ["strings", 5], ["board", 6])",
+                            detail::string_item(detail::kHammerHead, Piano::strings[k], R"(, "board": 8)"), "hammer",
+                            position_m / length_m);
   return study;
 }
 
