@@ -81,7 +81,7 @@ class BodyReader {
   }
 
   // The stiffness of the form by which a string (Kirchhoff and Carrier) or a membrane (Berger) stretches, or the
-  // number of forms of a circular plate (von Karman).
+  // number of forms of a plate (von Karman).
   static void read_stretch(const JsonObject& body, InstrumentBody& read) {
     const auto object = [&](const std::vector<std::string>& keys, const char* example) {
       if (!body.has_object("stretch"))
@@ -102,16 +102,39 @@ class BodyReader {
       const double poisson = stretch.number("poisson_ratio", kPoisson);
       read.stretch_j = stretch.number("youngs_modulus_pa", ranges::kModulus) * thickness * area_of(*membrane) /
                        (2 * (1 - poisson * poisson));
+    } else if (const auto* plate = std::get_if<Plate>(&read.resonator.body)) {
+      if (!is_of_one_material(*plate))
+        body.fail(body.key("stretch"), "is not for a plate of wood or with ribs",
+                  "beside a plate without youngs_modulus_across_pa, shear_modulus_pa and ribs");
+      read_airy_functions(body, object({"airy_functions", "edges"}, R"({ "airy_functions": 20, "edges": "free" })"),
+                          read);
     } else if (std::holds_alternative<RoundPlate>(read.resonator.body)) {
-      const JsonObject stretch = object({"airy_functions"}, R"({ "airy_functions": 20 })");
-      read.airy_functions = static_cast<std::size_t>(stretch.integer("airy_functions", 1, kMaxAiryFunctions));
-      if (read.resonator.max_modes > kMaxStretchingModes)
-        body.fail(body.key("max_modes"), "is missing or too large beside `stretch` of a round_plate",
-                  fmt::format("1 to {}, such as 64", kMaxStretchingModes));
+      read_airy_functions(body, object({"airy_functions"}, R"({ "airy_functions": 20 })"), read);
     } else {
       body.fail(body.key("stretch"), fmt::format("is not for a body of the kind '{}'", kind_of(read)),
-                "beside a string, a membrane or a round_plate");
+                "beside a string, a membrane, a plate or a round_plate");
     }
+  }
+
+  static bool is_of_one_material(const Plate& plate) {
+    const double shear = plate.youngs_modulus_pa / (2 * (1 + plate.poisson_ratio));
+    return !plate.ribbed && plate.youngs_modulus_across_pa == plate.youngs_modulus_pa &&
+           std::abs(plate.shear_modulus_pa / shear - 1) < 1e-6;
+  }
+
+  static void read_airy_functions(const JsonObject& body, const JsonObject& stretch, InstrumentBody& read) {
+    read.airy_functions = static_cast<std::size_t>(stretch.integer("airy_functions", 1, kMaxAiryFunctions));
+    if (stretch.has("edges")) {
+      constexpr const char* kAllowed = "free or fixed";
+      const std::string edges = stretch.text("edges", kAllowed);
+      if (edges == "fixed")
+        read.edges = PlateEdges::kFixed;
+      else if (edges != "free")
+        stretch.fail(stretch.key("edges"), fmt::format("'{}' are no edges", shown(edges)), kAllowed);
+    }
+    if (read.resonator.max_modes > kMaxStretchingModes)
+      body.fail(body.key("max_modes"), fmt::format("is missing or too large beside `stretch` of a {}", kind_of(read)),
+                fmt::format("1 to {}, such as 64", kMaxStretchingModes));
   }
 
   void read_place(const JsonObject& place) {

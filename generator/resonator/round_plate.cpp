@@ -11,6 +11,7 @@
 #include <numbers>
 #include <tuple>
 
+#include "generator/resonator/form_terms.hpp"
 #include "generator/resonator/quadrature.hpp"
 
 namespace contactspline {
@@ -164,18 +165,6 @@ double coupling(const Sampled& airy, const Sampled& f, const Sampled& g, const Q
   return integral;
 }
 
-// Rounds the terms of a form to eleven digits of the largest, which all machines find: small ones are what cancels.
-void round_terms(StretchForm& form) {
-  double largest = 0;
-  for (const double square : form.squares_per_m2) largest = std::max(largest, std::abs(square));
-  for (const auto& product : form.products) largest = std::max(largest, std::abs(product.factor_per_m2));
-  if (largest == 0) return;
-  const double step = std::pow(10.0, std::floor(std::log10(largest)) - 10);
-  for (double& square : form.squares_per_m2) square = std::round(square / step) * step;
-  for (auto& product : form.products) product.factor_per_m2 = std::round(product.factor_per_m2 / step) * step;
-  std::erase_if(form.products, [](const auto& product) { return product.factor_per_m2 == 0; });
-}
-
 }  // namespace
 
 double root_above(std::size_t modes) {
@@ -233,17 +222,7 @@ double kept_of_stretching(const RoundPlate& plate, std::size_t modes, std::size_
   for (const auto& [order, root] : lowest_roots(plate.rim, plate.poisson_ratio, modes))
     lowest.push_back({order, root / plate.radius_m});
   constexpr std::size_t kAll = 400;
-  const std::vector<StretchForm> forms = stretch_forms(plate, lowest, kAll);
-  double least = 1;
-  for (std::size_t i = 0; i < lowest.size(); ++i) {
-    double kept = 0, all = 0;
-    for (std::size_t k = 0; k < kAll; ++k) {
-      all += forms[k].stiffness_j * std::pow(forms[k].squares_per_m2[i], 2);
-      if (k + 1 == count) kept = all;
-    }
-    least = std::min(least, kept / all);
-  }
-  return least;
+  return least_share(stretch_forms(plate, lowest, kAll), count);
 }
 
 }  // namespace contactspline
