@@ -124,14 +124,7 @@ class BodyReader {
 
   static void read_airy_functions(const JsonObject& body, const JsonObject& stretch, InstrumentBody& read) {
     read.airy_functions = static_cast<std::size_t>(stretch.integer("airy_functions", 1, kMaxAiryFunctions));
-    if (stretch.has("edges")) {
-      constexpr const char* kAllowed = "free or fixed";
-      const std::string edges = stretch.text("edges", kAllowed);
-      if (edges == "fixed")
-        read.edges = PlateEdges::kFixed;
-      else if (edges != "free")
-        stretch.fail(stretch.key("edges"), fmt::format("'{}' are no edges", shown(edges)), kAllowed);
-    }
+    if (is_second_of(stretch, "edges", "free", "fixed", "are no edges")) read.edges = PlateEdges::kFixed;
     if (read.resonator.max_modes > kMaxStretchingModes)
       body.fail(body.key("max_modes"), fmt::format("is missing or too large beside `stretch` of a {}", kind_of(read)),
                 fmt::format("1 to {}, such as 64", kMaxStretchingModes));

@@ -71,7 +71,7 @@ void sort_for_forms(const InstrumentBody& body, std::vector<NumberedMode>& modes
   if (body.airy_functions == 0) return;
   const bool is_round = std::holds_alternative<RoundPlate>(body.resonator.body);
   std::ranges::stable_sort(modes, {}, [&](const NumberedMode& mode) {
-    return is_round ? mode.row : 2 * (mode.row % 2) + mode.number % 2;
+    return 2 * (is_round ? mode.row : mode.row % 2) + (is_round ? int(mode.is_sine) : mode.number % 2);
   });
 }
 
@@ -84,7 +84,7 @@ std::vector<StretchForm> forms_of(const InstrumentBody& body, std::span<const Nu
   }
   if (body.airy_functions > 0) {
     std::vector<RoundPlateMode> of_plate;
-    for (const NumberedMode& mode : modes) of_plate.push_back({mode.row, mode.wavenumber_per_m});
+    for (const NumberedMode& mode : modes) of_plate.push_back({mode.row, mode.wavenumber_per_m, mode.is_sine});
     return stretch_forms(std::get<RoundPlate>(body.resonator.body), of_plate, body.airy_functions);
   }
   if (!body.stretches()) return {};

@@ -38,7 +38,8 @@ struct Legendre {
   static double slope_term(int a, int of) {
     return of == a + 1 ? 1.0 / (2 * a + 1) : of == a - 1 ? -1.0 / (2 * a + 1) : 0;
   }
-  // Integral of cos(n pi (t + 1)/2) phi_a(t): twice in parts, then that of a plane wave in spherical Bessel functions.
+  // Integral of cos(n pi (t + 1)/2) phi_a(t): twice in parts, then that of a plane wave in spherical Bessel
+  // functions.
   static double cosine(int a, int n) {
     if ((a + n) % 2 != 0) return 0;
     if (n == 0) return a == 2 ? 2.0 / 15 : 0;
@@ -76,8 +77,7 @@ struct Direction {
 MatrixXd kronecker(const MatrixXd& a, const MatrixXd& b) {
   MatrixXd product(a.rows() * b.rows(), a.cols() * b.cols());
   for (Index i = 0; i < a.rows(); ++i)
-    for (Index j = 0; j < a.cols(); ++j)
-      product.block(i * b.rows(), j * b.cols(), b.rows(), b.cols()) = a(i, j) * b;
+    for (Index j = 0; j < a.cols(); ++j) product.block(i * b.rows(), j * b.cols(), b.rows(), b.cols()) = a(i, j) * b;
   return product;
 }
 

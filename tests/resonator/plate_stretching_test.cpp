@@ -24,15 +24,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kModulus = 2e11, kPoisson = 0.3, kThickness = 1e-3, kDensity = 7800;
 
 Plate plate_of(double length, double width) {
-  return {length,
-          width,
-          kThickness,
-          kDensity,
-          kModulus,
-          kModulus,
-          kModulus / (2 * (1 + kPoisson)),
-          kPoisson,
-          {0, 0}};
+  return {length, width, kThickness, kDensity, kModulus, kModulus, kModulus / (2 * (1 + kPoisson)), kPoisson, {0, 0}};
 }
 
 // A displacement, and what the equations of a plate need of it.
@@ -119,7 +111,8 @@ double energy_by_polynomials(const Motion& w, int degree) {
     std::vector<std::array<double, 2>> all;
     double last = 0, now = 1, slope_last = 0, slope = 0, bend_last = 0, bend = 0;
     for (Index n = 0; n < side; ++n) {
-      all.push_back({c * c * now, (c * c * bend - 8 * t * c * slope + (12 * t * t - 4) * now) * 4 / (length * length)});
+      all.push_back(
+          {c * c * now, (c * c * bend - 8 * t * c * slope + (12 * t * t - 4) * now) * 4 / (length * length)});
       const auto next = [&](double a, double b) { return (double(2 * n + 1) * a - double(n) * b) / double(n + 1); };
       const double value = next(t * now, last), first = next(now + t * slope, slope_last),
                    second = next(2 * slope + t * bend, bend_last);
