@@ -40,7 +40,7 @@ constexpr double kMinListeningHeight_m = 0.05;  // nearer to it the integrals wo
 // What listening costs the generator: a filter as long as sound takes for so far, and an integral for each mode.
 constexpr double kMaxReach_m = 2;
 constexpr double kMaxListeningExtent_m = 3;
-constexpr std::size_t kMaxListeningModes = 512;
+constexpr std::size_t kMaxListeningModes = 1024;
 constexpr double kListening_hz = 24e3;
 
 // Member names of the emitted C++ struct; the struct itself must have another name.
