@@ -26,16 +26,24 @@ std::string range_text(std::vector<double> numbers) {
   return min == max ? fmt::format("{:.6g}", min) : fmt::format("{:.6g} to {:.6g}", min, max);
 }
 
-// A string or a membrane by its stiffness, a circular plate by its Airy functions and what they leave out.
+// A string or a membrane by its stiffness, a plate by its Airy functions and what they leave out.
 std::string stretch_row(const InstrumentBody& body, std::size_t modes) {
   if (body.airy_functions == 0)
     return body.stretches() ? fmt::format(", stretches with {:.6g} J", body.stretch_j) : "";
   const std::size_t lowest = std::min<std::size_t>(10, modes);
-  const double kept = kept_of_stretching(std::get<RoundPlate>(body.resonator.body), lowest, body.airy_functions);
+  std::size_t count = body.airy_functions;
+  double kept = 0;
+  if (const auto* plate = std::get_if<Plate>(&body.resonator.body)) {
+    kept = kept_of_stretching(*plate, body.edges, lowest, count);
+  } else {
+    const auto& round = std::get<RoundPlate>(body.resonator.body);
+    count = form_count(round, count);
+    kept = kept_of_stretching(round, lowest, count);
+  }
   return fmt::format(
       ", stretches by {} Airy functions, which hold {:.3g} % or more of the energy of each of its {} "
       "lowest modes",
-      body.airy_functions, 100 * kept, lowest);
+      count, 100 * kept, lowest);
 }
 
 std::string body_row(const InstrumentBody& body, double sample_rate_hz) {

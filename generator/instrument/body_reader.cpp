@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "generator/instrument/body_reader.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -12,8 +13,10 @@
 namespace contactspline {
 namespace {
 
-constexpr int kMaxAiryFunctions = 64;
-constexpr int kMaxStretchingModes = 400;  // of a plate: each form couples each mode with many
+constexpr int kMaxAiryFunctions = 128;
+// Each form couples a mode with all of an order or, on a rectangular plate, with a quarter of all.
+constexpr int kMaxRoundModes = 1024, kMaxRectangularModes = 400;
+constexpr double kMaxAspect = 20;  // beyond it the Airy functions of free edges need too many polynomials
 constexpr Range kCoreDiameter{1e-5, 0.1}, kHeadThickness{1e-6, 0.1}, kPoisson{-0.999, 0.999};
 
 /// Reads bodies, then places on them.
@@ -81,7 +84,7 @@ class BodyReader {
   }
 
   // The stiffness of the form by which a string (Kirchhoff and Carrier) or a membrane (Berger) stretches, or the
-  // number of forms of a circular plate (von Karman).
+  // number of forms of a plate (von Karman).
   static void read_stretch(const JsonObject& body, InstrumentBody& read) {
     const auto object = [&](const std::vector<std::string>& keys, const char* example) {
       if (!body.has_object("stretch"))
@@ -102,16 +105,38 @@ class BodyReader {
       const double poisson = stretch.number("poisson_ratio", kPoisson);
       read.stretch_j = stretch.number("youngs_modulus_pa", ranges::kModulus) * thickness * area_of(*membrane) /
                        (2 * (1 - poisson * poisson));
+    } else if (const auto* plate = std::get_if<Plate>(&read.resonator.body)) {
+      const JsonObject stretch = object({"airy_functions", "edges"}, R"({ "airy_functions": 20, "edges": "free" })");
+      check_stretching_plate(body, *plate);
+      if (is_second_of(stretch, "edges", "free", "fixed", "are no edges")) read.edges = PlateEdges::kFixed;
+      read_airy_functions(body, stretch, kMaxRectangularModes, read);
     } else if (std::holds_alternative<RoundPlate>(read.resonator.body)) {
-      const JsonObject stretch = object({"airy_functions"}, R"({ "airy_functions": 20 })");
-      read.airy_functions = static_cast<std::size_t>(stretch.integer("airy_functions", 1, kMaxAiryFunctions));
-      if (read.resonator.max_modes > kMaxStretchingModes)
-        body.fail(body.key("max_modes"), "is missing or too large beside `stretch` of a round_plate",
-                  fmt::format("1 to {}, such as 64", kMaxStretchingModes));
+      read_airy_functions(body, object({"airy_functions"}, R"({ "airy_functions": 20 })"), kMaxRoundModes, read);
     } else {
       body.fail(body.key("stretch"), fmt::format("is not for a body of the kind '{}'", kind_of(read)),
-                "beside a string, a membrane or a round_plate");
+                "beside a string, a membrane, a plate or a round_plate");
     }
+  }
+
+  // Throws BadInput unless it is of one material, without ribs, and not much longer than wide.
+  static void check_stretching_plate(const JsonObject& body, const Plate& plate) {
+    const double shear = plate.youngs_modulus_pa / (2 * (1 + plate.poisson_ratio));
+    if (plate.ribbed || plate.youngs_modulus_across_pa != plate.youngs_modulus_pa ||
+        std::abs(plate.shear_modulus_pa / shear - 1) > 1e-6)
+      body.fail(body.key("stretch"), "is not for a plate of wood or with ribs",
+                "beside a plate without youngs_modulus_across_pa, shear_modulus_pa and ribs");
+    const auto [less, more] = std::minmax(plate.length_m, plate.width_m);
+    if (more > kMaxAspect * less)
+      body.fail(body.key("stretch"), fmt::format("stands beside a plate of {:g} m by {:g} m", more, less),
+                fmt::format("length_m and width_m that differ by at most {:g} times", kMaxAspect));
+  }
+
+  static void read_airy_functions(const JsonObject& body, const JsonObject& stretch, int max_modes,
+                                  InstrumentBody& read) {
+    read.airy_functions = static_cast<std::size_t>(stretch.integer("airy_functions", 1, kMaxAiryFunctions));
+    if (read.resonator.max_modes > max_modes)
+      body.fail(body.key("max_modes"), fmt::format("is missing or too large beside `stretch` of a {}", kind_of(read)),
+                fmt::format("1 to {}, such as 64", max_modes));
   }
 
   void read_place(const JsonObject& place) {

@@ -65,11 +65,26 @@ double stretch_square(const decltype(Resonator::body)& body, const NumberedMode&
   return std::holds_alternative<StiffString>(body) ? square : 0;
 }
 
-// How a body stretches: a string or a membrane by one form, a circular plate by one for each Airy function.
+// Modes of a plate that couple alike follow each other, as the kernels of forms like it: those of one order or, on a
+// rectangular plate, of the same symmetries.
+void sort_for_forms(const InstrumentBody& body, std::vector<NumberedMode>& modes) {
+  if (body.airy_functions == 0) return;
+  const bool is_round = std::holds_alternative<RoundPlate>(body.resonator.body);
+  std::ranges::stable_sort(modes, {}, [&](const NumberedMode& mode) {
+    return 2 * (is_round ? mode.row : mode.row % 2) + (is_round ? int(mode.is_sine) : mode.number % 2);
+  });
+}
+
+// How a body stretches: a string or a membrane by one form, a plate by one for each Airy function.
 std::vector<StretchForm> forms_of(const InstrumentBody& body, std::span<const NumberedMode> modes) {
+  if (const auto* plate = std::get_if<Plate>(&body.resonator.body); plate != nullptr && body.airy_functions > 0) {
+    std::vector<PlateSine> sines;
+    for (const NumberedMode& mode : modes) sines.push_back({mode.row, mode.number});
+    return stretch_forms(*plate, body.edges, sines, body.airy_functions);
+  }
   if (body.airy_functions > 0) {
     std::vector<RoundPlateMode> of_plate;
-    for (const NumberedMode& mode : modes) of_plate.push_back({mode.row, mode.wavenumber_per_m});
+    for (const NumberedMode& mode : modes) of_plate.push_back({mode.row, mode.wavenumber_per_m, mode.is_sine});
     return stretch_forms(std::get<RoundPlate>(body.resonator.body), of_plate, body.airy_functions);
   }
   if (!body.stretches()) return {};
@@ -113,8 +128,7 @@ class Flattener {
   void add_body(const InstrumentBody& body) {
     const auto* string = std::get_if<StiffString>(&body.resonator.body);
     modes_.push_back(numbered_modes_of(body.resonator, limit_hz(body.resonator)).modes);
-    if (body.airy_functions > 0)  // modes that couple alike follow each other, as the kernels of forms like it
-      std::ranges::stable_sort(modes_.back(), {}, &NumberedMode::row);
+    sort_for_forms(body, modes_.back());
     for (const NumberedMode& mode : modes_.back()) {
       if (model_.keys.tune())
         arrays_.tension_squares.push_back(string == nullptr ? 0 : thirteen_digits(square_by_tension(*string, mode)));

@@ -13,6 +13,7 @@
 #include "contactspline/host/model_module.hpp"
 #include "contactspline/instrument/network_instrument.hpp"
 #include "contactspline/step/contact.hpp"
+#include "generator/resonator/plate_stretching.hpp"
 #include "generator/resonator/radiation.hpp"
 #include "generator/resonator/resonator.hpp"
 #include "generator/support/json_reader.hpp"
@@ -25,7 +26,8 @@ struct InstrumentBody {
   Resonator resonator;
   bool is_mass;
   double stretch_j = 0;  ///< of a string or membrane: stiffness of its form (StretchForm); 0: it does not stretch
-  std::size_t airy_functions = 0;  ///< of a circular plate: number of its forms
+  std::size_t airy_functions = 0;        ///< of a plate: number of its forms
+  PlateEdges edges = PlateEdges::kFree;  ///< of a rectangular plate that stretches
 
   [[nodiscard]] bool stretches() const { return stretch_j > 0 || airy_functions > 0; }
 };

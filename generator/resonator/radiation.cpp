@@ -108,7 +108,7 @@ struct RoundGrid : Grid {
     column_weights.assign(steps, 2 * pi / static_cast<double>(steps));
     for (std::size_t r = 0; r < radii.size(); ++r) row_weights.push_back(radial.weights[r] * radii[r]);
     for (const NumberedMode& mode : modes) {
-      column_shapes.push_back(values_at(angles, [&](double a) { return std::cos(mode.row * (a - zero_rad)); }));
+      column_shapes.push_back(values_at(angles, [&](double a) { return angular_shape(mode, a - zero_rad); }));
       row_shapes.push_back(
           values_at(radii, [&](double r) { return radial_shape(body, mode.row, mode.wavenumber_per_m, r); }));
     }

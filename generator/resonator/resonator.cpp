@@ -123,6 +123,18 @@ std::vector<NumberedMode> numbered_below(const Plate& plate, double limit, std::
   return rows_below(1, limit, max, plate.losses, [&](int m, int n) { return undamped_mode(plate, m, n); });
 }
 
+// Each mode with nodal diameters twice, the second time between them.
+std::vector<NumberedMode> with_sines(const std::vector<NumberedMode>& cosines) {
+  std::vector<NumberedMode> modes;
+  for (const NumberedMode& mode : cosines) {
+    modes.push_back(mode);
+    if (mode.row == 0) continue;
+    modes.push_back(mode);
+    modes.back().is_sine = true;
+  }
+  return modes;
+}
+
 // The lowest mode of the orders 0 and 1 with a free rim is above that of order 2. Where the losses take all modes
 // below a root, as many more are sought. Bessel's functions have numbers up to 700.
 std::vector<NumberedMode> numbered_below(const RoundPlate& plate, double limit, std::size_t max) {
@@ -135,7 +147,7 @@ std::vector<NumberedMode> numbered_below(const RoundPlate& plate, double limit, 
   std::vector<NumberedMode> modes = rows_below(2, limit, max, plate.losses, undamped_at);
   for (const int order : {0, 1})
     add_row(modes, order, limit, max, plate.losses, [&](int i) { return undamped_at(order, i); });
-  return modes;
+  return plate.has_both_symmetries ? with_sines(modes) : modes;
 }
 
 std::vector<NumberedMode> numbered_below(const ModeTable& table, double limit, std::size_t) {
@@ -159,11 +171,11 @@ double radial_shape(const Membrane&, int order, double wavenumber_per_m, double 
   return boost::math::cyl_bessel_j(order, wavenumber_per_m * radius_m);
 }
 
-// The shape of what is round at a place, the radial part times cos(m angle).
+// The shape of what is round at a place, the radial part times cos(m angle) or sin(m angle).
 template <typename RoundBody>
 double round_shape_at(const RoundBody& body, const NumberedMode& mode, const Place& at, double zero_rad) {
   return radial_shape(body, mode.row, mode.wavenumber_per_m, at.position_m) *
-         std::cos(mode.row * (at.angle_rad - zero_rad));
+         angular_shape(mode, at.angle_rad - zero_rad);
 }
 
 // Or the mean over a disc of radius a: 2 J_1(beta a)/(beta a) for m = 0, otherwise 0.
@@ -208,6 +220,10 @@ double shape_of(const Resonator& resonator, const NumberedMode& mode, const Plac
 
 }  // namespace
 
+double angular_shape(const NumberedMode& mode, double angle_rad) {
+  return mode.is_sine ? std::sin(mode.row * angle_rad) : std::cos(mode.row * angle_rad);
+}
+
 double radius_of(const decltype(Resonator::body)& round_body) {
   const auto* membrane = std::get_if<Membrane>(&round_body);
   return membrane != nullptr ? membrane->radius_m : std::get<RoundPlate>(round_body).radius_m;
@@ -232,7 +248,8 @@ NumberedModeSet numbered_modes_of(const Resonator& resonator, double max_frequen
   auto modes = std::visit([&](const auto& body) { return numbered_below(body, limit, max); }, resonator.body);
   keep_lowest(modes, max, limit);
   const bool cut = modes.size() > max || ends_below(resonator.body, limit);
-  if (modes.size() > max) modes.resize(max);
+  const bool splits_a_pair = modes.size() > max && modes[max].is_sine;
+  if (modes.size() > max) modes.resize(splits_a_pair ? max - 1 : max);
   return {std::move(modes), cut};
 }
 

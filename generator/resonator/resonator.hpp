@@ -81,7 +81,11 @@ struct NumberedMode {
   Mode mode;
   double wavenumber_per_m;  ///< for a string the shape is sin(wavenumber x); 0 in a table of modes
   int row, number;
+  bool is_sine = false;  ///< of a circular plate: sin(m angle)
 };
+
+/// The part of a round mode's shape that depends on the angle.
+[[nodiscard]] double angular_shape(const NumberedMode& mode, double angle_rad);
 
 /// A mode with its shape at the strike and at the pickup.
 struct ResonatorMode {

@@ -40,7 +40,7 @@ constexpr double kMinListeningHeight_m = 0.05;  // nearer to it the integrals wo
 // What listening costs the generator: a filter as long as sound takes for so far, and an integral for each mode.
 constexpr double kMaxReach_m = 2;
 constexpr double kMaxListeningExtent_m = 3;
-constexpr std::size_t kMaxListeningModes = 512;
+constexpr std::size_t kMaxListeningModes = 1024;
 constexpr double kListening_hz = 24e3;
 
 // Member names of the emitted C++ struct; the struct itself must have another name.
@@ -187,13 +187,8 @@ RoundPlate read_round_plate(const JsonObject& body) {
                    read_losses(body)};
   if (const double critical = frequency_at(plate, plate.radius_m); !(plate.losses.quadratic_m2_per_s < critical))
     refuse_critical_loss(body, plate.losses, critical);
-  if (!body.has("rim")) return plate;
-  constexpr const char* kAllowed = "free or clamped";
-  const std::string rim = body.text("rim", kAllowed);
-  if (rim == "clamped")
-    plate.rim = PlateRim::kClamped;
-  else if (rim != "free")
-    body.fail(body.key("rim"), fmt::format("'{}' is no rim", shown(rim)), kAllowed);
+  if (is_second_of(body, "rim", "free", "clamped", "is no rim")) plate.rim = PlateRim::kClamped;
+  plate.has_both_symmetries = is_second_of(body, "symmetries", "one", "both", "are no symmetries");
   return plate;
 }
 
@@ -231,7 +226,8 @@ const std::vector<std::string> kMembraneKeys = {"radius_m", "mass_per_area_kg_m2
 
 const std::vector<std::string> kRoundPlateKeys = {
     "radius_m",      "thickness_m",         "density_kg_m3",           "youngs_modulus_pa",
-    "poisson_ratio", "constant_loss_per_s", "quadratic_loss_m2_per_s", "rim"};
+    "poisson_ratio", "constant_loss_per_s", "quadratic_loss_m2_per_s", "rim",
+    "symmetries"};
 const std::vector<std::string> kPlateKeys = {"length_m",
                                              "width_m",
                                              "thickness_m",
@@ -276,6 +272,15 @@ Place read_place(const JsonObject& resonator, const char* name, const decltype(R
 }
 
 }  // namespace
+
+bool is_second_of(const JsonObject& body, const char* key, std::string_view first, std::string_view second,
+                  std::string_view is_wrong) {
+  if (!body.has(key)) return false;
+  const std::string allowed = fmt::format("{} or {}", first, second), text = body.text(key, allowed);
+  if (text != first && text != second)
+    body.fail(body.key(key), fmt::format("'{}' {}", shown(text), is_wrong), allowed);
+  return text == second;
+}
 
 decltype(Resonator::body) read_shaped_body(const JsonObject& object) {
   if (object.has("string")) return read_string(object.object("string", kStringKeys));

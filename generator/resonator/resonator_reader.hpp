@@ -17,6 +17,11 @@ namespace contactspline {
 /// Reads the body of an object that has one of the keys string, bar, membrane, plate, round_plate. Throws BadInput.
 [[nodiscard]] decltype(Resonator::body) read_shaped_body(const JsonObject& object);
 
+/// Reads a text that may be missing: is it the second of the two that are allowed? `is_wrong` says what another is,
+/// such as "is no rim". Throws BadInput.
+[[nodiscard]] bool is_second_of(const JsonObject& body, const char* key, std::string_view first,
+                                std::string_view second, std::string_view is_wrong);
+
 /// Largest position on a body [m]: length or radius; 0 for a table of modes.
 [[nodiscard]] double extent_of(const decltype(Resonator::body)& body);
 

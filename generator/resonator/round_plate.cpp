@@ -2,6 +2,7 @@
 #include "generator/resonator/round_plate.hpp"
 
 #include <algorithm>
+#include <array>
 #include <boost/math/special_functions/bessel.hpp>
 #include <boost/math/special_functions/bessel_prime.hpp>
 #include <boost/math/tools/roots.hpp>
@@ -10,7 +11,9 @@
 #include <map>
 #include <numbers>
 #include <tuple>
+#include <utility>
 
+#include "generator/resonator/form_terms.hpp"
 #include "generator/resonator/quadrature.hpp"
 
 namespace contactspline {
@@ -113,13 +116,20 @@ class RadialShape {
   double root_, at_rim_ = 0, share_ = 0;  // share: c I_m(x)
 };
 
-// The integral of cos(a angle) cos(b angle) around a circle.
-double around(int a, int b) {
-  if (std::abs(a) != std::abs(b)) return 0;
-  return a == 0 ? 2 * pi : pi;
+// cos(n pi/2).
+double quarter_turns(int n) {
+  constexpr std::array<double, 4> kCosines = {1, 0, -1, 0};
+  return kCosines[static_cast<std::size_t>(n + 4) % 4];
 }
 
-// What L() needs of a shape at the points of a rule.
+// The integral of cos(a angle - i pi/2) cos(b angle - j pi/2) around a circle; b >= 0.
+double around(int a, int i, int b, int j) {
+  if (std::abs(a) != b) return 0;
+  if (a == 0) return 2 * pi * quarter_turns(i) * quarter_turns(j);
+  return pi * quarter_turns(a > 0 ? i - j : i + j);
+}
+
+// What L() needs of a shape at the points of a rule, times cos(order angle - quarters pi/2).
 struct Sampled {
   Sampled(const RadialShape& shape, int m, const QuadratureRule& rule) : order(m) {
     for (const double r : rule.points) {
@@ -130,13 +140,14 @@ struct Sampled {
       twists.push_back(m * (first - value / r) / r);             // m (f/r)_r
     }
   }
-  int order;
+  int order, quarters = 0;  // 0: cos, 1: sin
   std::vector<double> values, seconds, turns, twists;
 };
 
 struct Root {
   int order;
   double root;
+  bool is_sine = false;
 };
 
 // The lowest `count`, by rising root. The lowest root of an order rises from order 2 on.
@@ -151,9 +162,46 @@ std::vector<Root> lowest_roots(PlateRim rim, double poisson, std::size_t count) 
   return roots;
 }
 
+// The same with sines beside the cosines of order 1 and more, without half a pair at the end.
+std::vector<Root> lowest_of_both(PlateRim rim, double poisson, std::size_t count) {
+  std::vector<Root> roots;
+  for (const Root& root : lowest_roots(rim, poisson, count)) {
+    roots.push_back(root);
+    if (root.order > 0) roots.push_back({root.order, root.root, true});
+    if (roots.size() > count) {
+      roots.resize(roots.size() - (root.order > 0 ? 2 : 1));
+      break;
+    }
+  }
+  return roots;
+}
+
+std::vector<Root> airy_functions(const RoundPlate& plate, std::size_t count) {
+  return plate.has_both_symmetries ? lowest_of_both(PlateRim::kClamped, 0, count)
+                                   : lowest_roots(PlateRim::kClamped, 0, count);
+}
+
+// Modes at the points of a rule; a sine has the numbers of its cosine.
+std::vector<Sampled> sampled(const RoundPlate& plate, std::span<const RoundPlateMode> modes,
+                             const QuadratureRule& rule) {
+  std::map<std::pair<int, double>, std::size_t> found;
+  std::vector<Sampled> shapes;
+  for (const auto& [order, wavenumber, is_sine] : modes) {
+    const auto [like, is_new] = found.try_emplace({order, wavenumber}, shapes.size());
+    if (is_new)
+      shapes.emplace_back(RadialShape(plate.rim, plate.poisson_ratio, order, wavenumber * plate.radius_m), order,
+                          rule);
+    else
+      shapes.push_back(Sampled(shapes[like->second]));
+    shapes.back().quarters = is_sine;
+  }
+  return shapes;
+}
+
 // The integral of P L(f, g) over the disc of radius 1.
 double coupling(const Sampled& airy, const Sampled& f, const Sampled& g, const QuadratureRule& rule) {
-  const double sum = around(f.order + g.order, airy.order), difference = around(f.order - g.order, airy.order);
+  const double sum = around(f.order + g.order, f.quarters + g.quarters, airy.order, airy.quarters);
+  const double difference = around(f.order - g.order, f.quarters - g.quarters, airy.order, airy.quarters);
   if (sum == 0 && difference == 0) return 0;
   const double of_cos = (difference + sum) / 2, of_sin = (difference - sum) / 2;
   double integral = 0;
@@ -162,18 +210,6 @@ double coupling(const Sampled& airy, const Sampled& f, const Sampled& g, const Q
         rule.weights[p] * rule.points[p] * airy.values[p] *
         (of_cos * (f.seconds[p] * g.turns[p] + g.seconds[p] * f.turns[p]) - 2 * of_sin * f.twists[p] * g.twists[p]);
   return integral;
-}
-
-// Rounds the terms of a form to eleven digits of the largest, which all machines find: small ones are what cancels.
-void round_terms(StretchForm& form) {
-  double largest = 0;
-  for (const double square : form.squares_per_m2) largest = std::max(largest, std::abs(square));
-  for (const auto& product : form.products) largest = std::max(largest, std::abs(product.factor_per_m2));
-  if (largest == 0) return;
-  const double step = std::pow(10.0, std::floor(std::log10(largest)) - 10);
-  for (double& square : form.squares_per_m2) square = std::round(square / step) * step;
-  for (auto& product : form.products) product.factor_per_m2 = std::round(product.factor_per_m2 / step) * step;
-  std::erase_if(form.products, [](const auto& product) { return product.factor_per_m2 == 0; });
 }
 
 }  // namespace
@@ -202,19 +238,18 @@ double radial_shape(const RoundPlate& plate, int order, double wavenumber_per_m,
 
 std::vector<StretchForm> stretch_forms(const RoundPlate& plate, std::span<const RoundPlateMode> modes,
                                        std::size_t count) {
-  const std::vector<Root> airy = lowest_roots(PlateRim::kClamped, 0, count);
+  const std::vector<Root> airy = airy_functions(plate, count);
   double highest = 0;
   for (const RoundPlateMode& mode : modes) highest = std::max(highest, mode.wavenumber_per_m * plate.radius_m);
   const QuadratureRule rule = gauss_rule(1, 2 * highest + airy.back().root);
-  std::vector<Sampled> shapes;
-  for (const auto& [order, wavenumber] : modes)
-    shapes.emplace_back(RadialShape(plate.rim, plate.poisson_ratio, order, wavenumber * plate.radius_m), order, rule);
+  const std::vector<Sampled> shapes = sampled(plate, modes, rule);
   const double square_m2 = plate.radius_m * plate.radius_m;
   // The integrals of P L(f, g) over the plate are those over the disc of radius 1 by R^2/R^4.
   std::vector<StretchForm> forms;
-  for (const auto& [order, root] : airy) {
+  for (const auto& [order, root, is_sine] : airy) {
     const RadialShape shape(PlateRim::kClamped, 0, order, root);
-    const Sampled function(shape, order, rule);
+    Sampled function(shape, order, rule);
+    function.quarters = is_sine;
     StretchForm& form = forms.emplace_back(StretchForm{
         plate.youngs_modulus_pa * plate.thickness_m * square_m2 / (2 * std::pow(root, 4) * shape.square()), {}});
     for (std::size_t p = 0; p < shapes.size(); ++p) {
@@ -228,22 +263,16 @@ std::vector<StretchForm> stretch_forms(const RoundPlate& plate, std::span<const 
   return forms;
 }
 
+std::size_t form_count(const RoundPlate& plate, std::size_t count) {
+  return airy_functions(plate, count).size();
+}
+
 double kept_of_stretching(const RoundPlate& plate, std::size_t modes, std::size_t count) {
   std::vector<RoundPlateMode> lowest;
-  for (const auto& [order, root] : lowest_roots(plate.rim, plate.poisson_ratio, modes))
-    lowest.push_back({order, root / plate.radius_m});
+  for (const Root& root : lowest_roots(plate.rim, plate.poisson_ratio, modes))
+    lowest.push_back({root.order, root.root / plate.radius_m});
   constexpr std::size_t kAll = 400;
-  const std::vector<StretchForm> forms = stretch_forms(plate, lowest, kAll);
-  double least = 1;
-  for (std::size_t i = 0; i < lowest.size(); ++i) {
-    double kept = 0, all = 0;
-    for (std::size_t k = 0; k < kAll; ++k) {
-      all += forms[k].stiffness_j * std::pow(forms[k].squares_per_m2[i], 2);
-      if (k + 1 == count) kept = all;
-    }
-    least = std::min(least, kept / all);
-  }
-  return least;
+  return least_share(stretch_forms(plate, lowest, kAll), count);
 }
 
 }  // namespace contactspline

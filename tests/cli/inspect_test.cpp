@@ -342,6 +342,28 @@ TEST(InspectInstrument, ShowsBothCoordinatesOfAPlace) {
     EXPECT_NE(table.find("\n" + line), std::string::npos) << line << " is not in\n" << table;
 }
 
+// How much of the energy the Airy functions of a plate hold: all of it between fixed edges, where enough are kept.
+TEST(InspectInstrument, ShowsHowPlatesStretch) {
+  const Sandbox box;
+  for (const auto& [edges, count, kept] :
+       {std::tuple{"fixed", "64", "100 "}, {"fixed", "3", "69.5 "}, {"free", "20", "77.1 "}}) {
+    write_file(box / "probe.json", fmt::format(R"({{
+      "name": "probe",
+      "bodies": [
+        {{ "name": "lid", "max_modes": 10, "stretch": {{ "airy_functions": {}, "edges": "{}" }},
+           "plate": {{ "length_m": 0.4, "width_m": 0.3, "thickness_m": 0.001, "density_kg_m3": 7800,
+                       "youngs_modulus_pa": 2e11, "poisson_ratio": 0.3, "constant_loss_per_s": 1,
+                       "quadratic_loss_m2_per_s": 0.0002 }} }} ],
+      "places": [ {{ "name": "spot", "body": "lid", "position_m": 0.1, "across_m": 0.13 }} ],
+      "outputs": [ {{ "name": "spot", "displacement_m": "spot" }} ]
+    }})",
+                                               count, edges));
+    const std::string table = printed(box, {"inspect", "probe.json"});
+    const std::string row = fmt::format("stretches by {} Airy functions, which hold {}", count, kept);
+    EXPECT_NE(table.find(row), std::string::npos) << row << " is not in\n" << table;
+  }
+}
+
 // Every part of an instrument, in the table, in the drawing and as JSON.
 TEST(InspectInstrument, ShowsAllItsParts) {
   const Sandbox box;

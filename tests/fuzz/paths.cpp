@@ -35,6 +35,7 @@ constexpr auto kCommand = "contactspline generate fuzz.json";
 constexpr auto kJson = "fuzz.json", kCurve = "fuzz.csv", kMidi = "fuzz.mid";
 constexpr double kHz = 44100;
 constexpr int kMaxSegments = 16, kMaxModes = 20, kMaxKeys = 4, kSamples = 64;
+constexpr std::size_t kMaxAiryFunctions = 8;
 constexpr double kMinTolerance = 0.02;
 
 // Whatever its name, a short curve.
@@ -246,7 +247,10 @@ void play_instrument_in(const InstrumentArrays& arrays) {
 
 void play_instrument(std::string_view text) {
   InstrumentModel model = read_instrument(text);
-  for (InstrumentBody& body : model.bodies) body.resonator.max_modes = std::min(body.resonator.max_modes, kMaxModes);
+  for (InstrumentBody& body : model.bodies) {
+    body.resonator.max_modes = std::min(body.resonator.max_modes, kMaxModes);
+    body.airy_functions = std::min<std::size_t>(body.airy_functions, kMaxAiryFunctions);
+  }
   if (silent_body(model, kHz / 2)) return;
   const InstrumentArrays arrays = arrays_of(model, kHz / 2);
   for (const Emitter& emitter : emitters())

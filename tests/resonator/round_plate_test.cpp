@@ -75,7 +75,7 @@ class Displacement {
     double sum = 0;
     for (std::size_t i = 0; i < modes_.size(); ++i)
       sum += amounts_[i] * radial_shape(plate_, modes_[i].order, modes_[i].wavenumber_per_m, std::hypot(x, y)) *
-             std::cos(modes_[i].order * std::atan2(y, x));
+             angular_shape({{}, 0, modes_[i].order, 1, modes_[i].is_sine}, std::atan2(y, x));
     return sum;
   }
   struct Curvatures {
@@ -127,24 +127,32 @@ TEST(RoundPlate, ShapesHaveTheEnergyOfTheirFrequencies) {
       }
 }
 
-// r^(order + 2 j) (R^2 - r^2)^2 cos(order angle), for r in parts of R, its Laplacian and its value.
+// r^(order + 2 j) (R^2 - r^2)^2 cos(order angle) or sin(order angle), for r in parts of R, its Laplacian and its
+// value.
 struct Polynomial {
   int order, power;
+  bool is_sine;
   [[nodiscard]] double value(double r, double angle) const {
-    return std::pow(r, power) * std::pow(1 - r * r, 2) * std::cos(order * angle);
+    return std::pow(r, power) * std::pow(1 - r * r, 2) * around(angle);
   }
   [[nodiscard]] double laplacian(double r, double angle) const {
     const auto term = [&](int n) { return (n * n - order * order) * std::pow(r, n - 2); };
-    return (term(power) - 2 * term(power + 2) + term(power + 4)) * std::cos(order * angle);
+    return (term(power) - 2 * term(power + 2) + term(power + 4)) * around(angle);
+  }
+  [[nodiscard]] double around(double angle) const {
+    return is_sine ? std::sin(order * angle) : std::cos(order * angle);
   }
 };
 
 // The stress function F minimises the integral of (laplacian F)^2/2 + F E L(w, w)/2; the least value is minus the
 // energy over thickness and modulus. Among polynomials, which are complete, too.
-double energy_by_polynomials(const Displacement& w) {
+double energy_by_polynomials(const Displacement& w, bool has_sines = false) {
   std::vector<Polynomial> basis;
   for (int order = 0; order <= 10; ++order)
-    for (int j = 0; j < 9; ++j) basis.push_back({order, order + 2 * j});
+    for (int j = 0; j < 9; ++j) {
+      basis.push_back({order, order + 2 * j, false});
+      if (has_sines && order > 0) basis.push_back({order, order + 2 * j, true});
+    }
   const auto size = static_cast<Eigen::Index>(basis.size());
   Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(size, size);
   Eigen::VectorXd load = Eigen::VectorXd::Zero(size), laplacians(size), values(size);
@@ -193,6 +201,44 @@ TEST(RoundPlate, StretchesWithTheEnergyOfPolynomialStressFunctions) {
                  << (1 - actual / expected) << " less";
       EXPECT_TRUE(within(actual, expected, 2e-6 * expected));
     }
+  }
+}
+
+// Modes of both symmetries, which have no diameter in common.
+TEST(RoundPlate, StretchesInBothSymmetriesWithTheEnergyOfPolynomialStressFunctions) {
+  RoundPlate plate = plate_with(PlateRim::kFree);
+  plate.has_both_symmetries = true;
+  std::vector<RoundPlateMode> modes;
+  for (const auto& [order, is_sine] : {std::pair{2, false}, {2, true}, {0, false}, {3, true}, {1, false}})
+    modes.push_back({order, undamped_mode(plate, order, 1).wavenumber_per_m, is_sine});
+  const std::vector<double> q = {1e-3, -7e-4, 4e-4, 5e-4, -3e-4};
+  const double expected = energy_by_polynomials({plate.rim, modes, q}, true);
+  const double actual = energy_of(stretch_forms(plate, modes, 700), q);
+  Measured() << "energy of both symmetries " << actual << " J, by polynomials " << (1 - actual / expected) << " less";
+  EXPECT_TRUE(within(actual, expected, 2e-6 * expected));
+}
+
+// A plate has no first diameter: turned by any angle it stores the same, by Airy functions whose pairs are whole.
+TEST(RoundPlate, StretchesAlikeAtAnyAngle) {
+  RoundPlate plate = plate_with(PlateRim::kFree);
+  plate.has_both_symmetries = true;
+  const auto modes = numbered_modes_of({"plate", "", plate, {}, {}, 40}, 1e6).modes;
+  EXPECT_EQ(std::ranges::count(modes, true, &NumberedMode::is_sine),
+            std::ranges::count_if(modes, [](const NumberedMode& mode) { return !mode.is_sine && mode.row > 0; }));
+  std::vector<RoundPlateMode> of_forms;
+  for (const NumberedMode& mode : modes) of_forms.push_back({mode.row, mode.wavenumber_per_m, mode.is_sine});
+  for (const std::size_t count : {1, 2, 3, 8, 20, 33}) {
+    const std::vector<StretchForm> forms = stretch_forms(plate, of_forms, count);
+    EXPECT_EQ(forms.size(), form_count(plate, count));
+    EXPECT_LE(forms.size(), count);
+    EXPECT_GE(forms.size() + 1, count);
+    const auto turned_by = [&](double angle) {
+      std::vector<double> q;
+      for (const NumberedMode& mode : modes)
+        q.push_back(1e-3 / double(mode.number + mode.row) * angular_shape(mode, 0.3 + double(mode.number) + angle));
+      return energy_of(forms, q);
+    };
+    for (const double angle : {0.1, 1.0, 2.5}) EXPECT_TRUE(relatively_within(turned_by(angle), turned_by(0), 1e-9));
   }
 }
 

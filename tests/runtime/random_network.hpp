@@ -21,9 +21,9 @@ inline std::vector<Memory> random_memories(Random& random) {
   return memories;
 }
 
-// Up to four random forms, which at 1 m/s of the first mode store 0.01 to 10 times its energy.
+// Up to eight random forms, which at 1 m/s of the first mode store 0.01 to 10 times its energy.
 inline std::vector<StretchForm> random_forms(Random& random, const std::vector<Mode>& modes) {
-  std::vector<StretchForm> forms(1 + random.below(4));
+  std::vector<StretchForm> forms(1 + random.below(8));
   for (StretchForm& form : forms) {
     const double square = std::pow(modes[0].angular_frequency_rad_per_s, 2);
     form.stiffness_j = 2 * modes[0].mass_kg * random.log_between(0.01, 10);
