@@ -57,7 +57,7 @@ int run(const std::string& instrument, double scale, const std::string& photo) {
   clockid_t display_clock;
   if (clock_getcpuclockid(display.process(), &display_clock) != 0) return 1;
   const auto plugin = open_plugin("clap", instrument, 48000);
-  const HostWindow window(display, static_cast<unsigned>(960 * scale), static_cast<unsigned>(600 * scale));
+  const HostWindow window(display, static_cast<unsigned>(960 * scale), static_cast<unsigned>(640 * scale));
   plugin->open_window(window.get(), scale);
   measure(*plugin, display_clock, true, "first notes");  // shaders are compiled meanwhile
   measure(*plugin, display_clock, true, "notes");
