@@ -63,12 +63,14 @@ int run(const std::string& instrument, double scale, const std::string& photo) {
   measure(*plugin, display_clock, true, "notes");
   if (!photo.empty()) {
     plugin->send(0, {0x90, 60, 100});
+    plugin->send(0, {0xe0, 0, 0x60});  // a semitone up
     for (int i = 0; i < kPictures_hz / 4; ++i) {
       (void)plugin->run(1, kBlock);
       plugin->idle_window();
       std::this_thread::sleep_for(std::chrono::milliseconds(10));  // until the server draws
     }
     window.photo().write(photo);
+    plugin->send(0, {0xe0, 0, 0x40});
     plugin->send(0, {0x80, 60, 0});
   }
   for (int before = -1, waited_s = 0; before != pictures && waited_s < 60; ++waited_s) {

@@ -61,7 +61,7 @@ class Keyboard {
   /// it, the distance in cents, where there is room. cents_of(key): of a held key, in whole cents.
   template <typename CentsOf>
   void draw_bends(Canvas& canvas, const CentsOf& cents_of) const {
-    constexpr float kMark = 3, kSize = 10;
+    constexpr float kMark = 3, kSize = 11;
     std::vector<std::pair<float, int>> marks;
     for (const Key& key : keys_) {
       const std::optional<int> cents = key.plays ? cents_of(key.number) : std::nullopt;
