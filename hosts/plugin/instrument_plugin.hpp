@@ -162,15 +162,20 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     WindowTable table = window_table_of(instrument(), this->numbers, left_);
     table.title = DISTRHO_PLUGIN_NAME;
     table.parameters.push_back(WindowParameter::of(kVolume));
+    table.tuning = window_tuning();
     return table;
   }
   bool is_modulated(std::uint32_t parameter) const override { return parameter < volume_index_; }
   bool is_of_notes(std::uint32_t parameter) const override {
     return is_modulated(parameter) && instrument().moves_keys(this->numbers[parameter]);
   }
-  double window_value(std::size_t parameter) const override { return values_[parameter].shown; }
+  double window_value(std::size_t parameter) const override {
+    return getParameterValue(static_cast<std::uint32_t>(parameter));
+  }
   double window_rate_hz() const override { return getSampleRate(); }
   ContactRing& ring() override { return ring_; }
+  const HeldKeys& held_keys() const override { return held_keys_; }
+  bool is_tuned_outside() const override { return tuning_.is_tuned_outside(); }
 
   // In words; with the unit where parameters differ by it alone, as the depth and the rate of a vibrato do.
   [[nodiscard]] std::string name_of(std::size_t index) const {
@@ -326,6 +331,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
   void deactivate() override {
     end_thread();
     tuning_.set_active(false);
+    held_keys_.write(HeldKeys::none());
   }
 
   // Not on the audio thread.
@@ -371,6 +377,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     }
     notes.clear();
     play(outputs, done, samples);
+    if (ring_.is_watched()) show_keys();
   }
 
   // Passes on what the host has set since the last block: a controller that MIDI has moved stays until then.
@@ -479,6 +486,14 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
                 static_cast<float>(instrument().energy()), begun_);
   }
 
+  void show_keys() {
+    KeyCents cents = HeldKeys::none();
+    this->hosted.each_held(
+        [&](int key, double of_key) { cents[static_cast<std::size_t>(key)] = is_bent_ ? of_key : 0; });
+    held_keys_.write(cents);
+    tuning_.look();
+  }
+
   void measure(Peak& peak, std::span<const float> sound) {
     constexpr float kNothing = 1e-9f;  // 180 dB below full scale
     peak.fallen *= static_cast<float>(std::exp(-static_cast<double>(sound.size()) / (kPeakTime_s * getSampleRate())));
@@ -515,6 +530,11 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
   std::vector<Peak> peaks_;
   std::size_t left_, right_;
   ContactRing ring_;
+  HeldKeys held_keys_;
+  const bool is_bent_ = instrument().bends_keys() ||  // by MIDI
+                        std::ranges::any_of(instrument().parameters(), [](const Control& c) {
+                          return std::string_view(c.name) == "bend_cents";
+                        });
   std::array<T, kBlock> forces_ = {};
   std::uint32_t begun_ = 0;  // notes
   float volume_ = 0, volume_target_ = 0, volume_rate_ = 0;

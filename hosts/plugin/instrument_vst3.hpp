@@ -417,7 +417,9 @@ class InstrumentVst3 : public PluginVst3 {
         std::find_if(points.points, points.points + points.count, [id](const auto& known) { return known.id == id; });
     if (point == points.points + points.count) ++points.count;
     point->id = id;
-    point->value = part;
+    // At its upper end the framework would make a byte of the wheel that is none of MIDI's.
+    const bool is_wheel = id == kVst3InternalParameterMidiCC_start + kPitchWheel;
+    point->value = std::min(part, is_wheel ? 16383.0 / 16384 : 1.0);
   }
 
   struct Mapping {

@@ -9,37 +9,44 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "contactspline/host/hosted.hpp"
-#include "contactspline/midi/temperament.hpp"
 #include "mts_esp.hpp"
+#include "tuning_parameters.hpp"
 
 namespace contactspline {
 
 /// The parameters: how far wheels bend, the pitch of A4, a temperament and its tonic.
 class PluginTuning {
  public:
-  static constexpr std::uint32_t kParameters = 4;
+  static constexpr std::uint32_t kParameters = kTuningParameters.size();
 
   /// number: 0 to kParameters - 1.
   static void describe(std::uint32_t number, DISTRHO_NAMESPACE::Parameter& parameter) {
     using namespace DISTRHO_NAMESPACE;
-    const Row& row = kRows[number];
+    const TuningParameter& described = kTuningParameters[number];
     parameter.hints = kParameterIsAutomatable;
-    parameter.name = row.name;
-    parameter.symbol = row.symbol;
-    parameter.unit = row.unit;
-    parameter.ranges = {row.initial, row.min, row.max};
-    if (number == kTemperament)
-      enumerate(parameter, kTemperaments.size(), [](std::size_t i) { return kTemperaments[i].name; });
-    if (number == kTonic) enumerate(parameter, kTones.size(), [](std::size_t i) { return kTones[i]; });
+    parameter.name = described.name;
+    parameter.symbol = described.symbol;
+    parameter.unit = described.unit;
+    parameter.ranges = {described.initial, described.min, described.max};
+    const std::vector<std::string> entries = tuning_entries(number);
+    if (entries.empty()) return;
+    parameter.hints |= kParameterIsInteger;
+    parameter.enumValues.count = static_cast<std::uint8_t>(entries.size());
+    parameter.enumValues.restrictedMode = true;
+    parameter.enumValues.values = new ParameterEnumerationValue[entries.size()];  // the framework's to delete
+    for (std::size_t i = 0; i < entries.size(); ++i)
+      parameter.enumValues.values[i] = {static_cast<float>(i), entries[i].c_str()};
   }
 
   // On any thread.
   [[nodiscard]] float value(std::uint32_t number) const { return values_[number]; }
   /// Moved into its range; of a list to the nearest of its entries. A value that is not a number does nothing.
   void set(std::uint32_t number, float value) {
-    const auto& [name, symbol, unit, min, max, initial] = kRows[number];
+    const auto& [name, symbol, unit, min, max, initial] = kTuningParameters[number];
     const float next = held(values_[number].load(), value, {min, max});
     values_[number] = number >= kTemperament ? std::round(next) : next;
     (number == kBendRange ? is_range_new_ : is_new_) = true;
@@ -57,6 +64,10 @@ class PluginTuning {
       hosted.tune(tempered_keys(kTemperaments[entry(kTemperament)], entry(kTonic), values_[kA4]));
   }
 
+  /// Does MTS-ESP tune? As look() has seen it on the audio thread last.
+  [[nodiscard]] bool is_tuned_outside() const { return is_tuned_outside_; }
+  void look() { is_tuned_outside_ = client_ && client_->is_tuned(); }
+
   /// Before a note of a key of MIDI: as MTS-ESP has it now.
   template <typename T>
   void before_note(Hosted<T>& hosted, int key, int channel) {
@@ -70,29 +81,6 @@ class PluginTuning {
   }
 
  private:
-  enum : std::uint32_t { kBendRange, kA4, kTemperament, kTonic };
-  struct Row {
-    const char *name, *symbol, *unit;
-    float min, max, initial;
-  };
-  static constexpr std::array<const char*, 12> kTones = {"C",       "C sharp", "D",       "E flat", "E",      "F",
-                                                         "F sharp", "G",       "G sharp", "A",      "B flat", "B"};
-  static constexpr std::array<Row, kParameters> kRows = {
-      {{"bend range", "bend_range", "semitones", 0, 96, 2},
-       {"pitch of A4", "a4_hz", "Hz", 380, 500, 440},
-       {"temperament", "temperament", "", 0, static_cast<float>(kTemperaments.size() - 1), 0},
-       {"tonic", "tonic", "", 0, static_cast<float>(kTones.size() - 1), 0}}};
-
-  template <typename Name>
-  static void enumerate(DISTRHO_NAMESPACE::Parameter& parameter, std::size_t count, const Name& name) {
-    using namespace DISTRHO_NAMESPACE;
-    parameter.hints |= kParameterIsInteger;
-    parameter.enumValues.count = static_cast<std::uint8_t>(count);
-    parameter.enumValues.restrictedMode = true;
-    parameter.enumValues.values = new ParameterEnumerationValue[count];  // the framework's to delete
-    for (std::size_t i = 0; i < count; ++i) parameter.enumValues.values[i] = {static_cast<float>(i), name(i)};
-  }
-
   [[nodiscard]] std::size_t entry(std::uint32_t number) const {
     return static_cast<std::size_t>(values_[number].load());
   }
@@ -104,7 +92,7 @@ class PluginTuning {
   }
 
   std::array<std::atomic<float>, kParameters> values_ = {2.0f, 440.0f, 0.0f, 0.0f};
-  std::atomic<bool> is_new_ = false, is_range_new_ = false;
+  std::atomic<bool> is_new_ = false, is_range_new_ = false, is_tuned_outside_ = false;
   std::optional<MtsClient> client_;
   bool was_tuned_ = false;
 };

@@ -181,5 +181,32 @@ TEST(TunedMidi, GoesOnFromItsTable) {
   EXPECT_TRUE(sequences_within<double>(cents, std::vector<double>{20, 50, 50, 20}, 1e-9));
 }
 
+// What is held, above the pitch of its key: by a table, wheels and hosts that name notes, until it ends.
+TEST(TunedMidi, TellsWhatIsHeld) {
+  KeyCents table{};
+  table[60] = 20, table[64] = 430;  // the keys of a piano play within a tone
+  MidiInterpreter midi(tuned(kPiano, table));
+  const auto nothing = [](const MidiEvent&) {};
+  const auto take = [&](const std::vector<std::uint8_t>& message) { midi.take(message, nothing); };
+  const auto held = [&] {
+    std::vector<std::pair<int, double>> keys;
+    midi.each_held([&](int key, double cents) { keys.emplace_back(key, std::round(1e6 * cents) / 1e6); });
+    return keys;
+  };
+  using Keys = std::vector<std::pair<int, double>>;
+  take({0x90, 60, 100, 64, 100});
+  EXPECT_EQ(held(), (Keys{{60, 20}, {64, 430}}));
+  take({0xe0, 0, 0x60});  // half of the bend range up
+  EXPECT_EQ(held(), (Keys{{60, 120}, {64, 530}}));
+  midi.begin({7, 3, 70}, 0.5, 10, nothing, [] {});
+  midi.express({7, -1, -1}, NoteExpression::kTuning, -30, nothing);
+  EXPECT_EQ(held(), (Keys{{60, 120}, {64, 530}, {70, -20}}));
+  take({0x80, 60, 0});
+  EXPECT_EQ(held(), (Keys{{64, 530}, {70, -20}}));
+  take({0xb0, 123, 0});
+  midi.end({7, -1, -1}, 0, nothing);
+  EXPECT_EQ(held(), Keys{});
+}
+
 }  // namespace
 }  // namespace contactspline::testing

@@ -57,18 +57,20 @@ int run(const std::string& instrument, double scale, const std::string& photo) {
   clockid_t display_clock;
   if (clock_getcpuclockid(display.process(), &display_clock) != 0) return 1;
   const auto plugin = open_plugin("clap", instrument, 48000);
-  const HostWindow window(display, static_cast<unsigned>(960 * scale), static_cast<unsigned>(600 * scale));
+  const HostWindow window(display, static_cast<unsigned>(960 * scale), static_cast<unsigned>(640 * scale));
   plugin->open_window(window.get(), scale);
   measure(*plugin, display_clock, true, "first notes");  // shaders are compiled meanwhile
   measure(*plugin, display_clock, true, "notes");
   if (!photo.empty()) {
     plugin->send(0, {0x90, 60, 100});
+    plugin->send(0, {0xe0, 0, 0x60});  // a semitone up
     for (int i = 0; i < kPictures_hz / 4; ++i) {
       (void)plugin->run(1, kBlock);
       plugin->idle_window();
       std::this_thread::sleep_for(std::chrono::milliseconds(10));  // until the server draws
     }
     window.photo().write(photo);
+    plugin->send(0, {0xe0, 0, 0x40});
     plugin->send(0, {0x80, 60, 0});
   }
   for (int before = -1, waited_s = 0; before != pictures && waited_s < 60; ++waited_s) {

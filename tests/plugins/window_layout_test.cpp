@@ -30,18 +30,32 @@ class Source : public WindowSource {
     for (std::size_t p = 0; p < numbers.size(); ++p) numbers[p] = p;
     return Source(window_table_of(instrument, numbers, 0));
   }
-  explicit Source(WindowTable table) : table_(std::move(table)) {}
+  // All keys are held, and bent.
+  explicit Source(WindowTable table) : table_(std::move(table)) {
+    table_.tuning = window_tuning();
+    KeyCents cents{};
+    for (std::size_t key = 0; key < kMidiKeys; ++key) cents[key] = 37.0 * static_cast<double>(key * key % 31) - 500;
+    held_keys_->write(cents);
+  }
 
   [[nodiscard]] WindowTable window_table() const override { return table_; }
   [[nodiscard]] double window_value(std::size_t p) const override {
-    return table_.parameters[p].scale.value_at(0.987654321);
+    if (p == table_.parameters.size() + kTemperament) return 2;  // of the longest name
+    const bool is_tuning = p >= table_.parameters.size();
+    return (is_tuning ? table_.tuning[p - table_.parameters.size()] : table_.parameters[p])
+        .scale.value_at(0.987654321);
   }
   [[nodiscard]] double window_rate_hz() const override { return 44100; }
   [[nodiscard]] ContactRing& ring() override { return *ring_; }
+  [[nodiscard]] const HeldKeys& held_keys() const override { return *held_keys_; }
+  [[nodiscard]] bool is_tuned_outside() const override { return is_outside; }
+
+  bool is_outside = false;
 
  private:
   WindowTable table_;
   std::unique_ptr<ContactRing> ring_ = std::make_unique<ContactRing>();
+  std::unique_ptr<HeldKeys> held_keys_ = std::make_unique<HeldKeys>();
 };
 
 struct Host : WindowHost {
@@ -97,8 +111,10 @@ void expect_readable(Source source, float scale) {
   frame.close();
   std::vector<Canvas::Text> texts = frame.ground;
   texts.insert(texts.end(), frame.figure.begin(), frame.figure.end());
-  // Title, description, three panels, a name and a value for each knob.
-  ASSERT_GE(texts.size(), 2 + 3 + 2 * window.table().parameters.size());
+  // Title, description, three panels, a name and a value for each knob; the tuning, and at least a bend.
+  const std::size_t tuning = source.is_outside ? 3 : 8;
+  ASSERT_GE(texts.size(), 2 + 3 + 2 * window.table().parameters.size() + tuning + 1);
+  EXPECT_TRUE(std::ranges::any_of(texts, [](const Canvas::Text& text) { return text.text[0] == '-'; }));
   for (std::size_t i = 0; i < texts.size(); ++i) {
     const auto& [words, box, size] = texts[i];
     EXPECT_GE(box.x, 0) << words;
@@ -111,10 +127,19 @@ void expect_readable(Source source, float scale) {
   }
   // Boxes: knobs neither on each other nor on the figure or the keys.
   const auto& knobs = window.knobs();
+  const Box& strip = InstrumentWindow::kStripBox;
+  for (const Box& cell : window.strip().cells()) {
+    EXPECT_GE(cell.x, strip.x);
+    EXPECT_LE(cell.x + cell.width, strip.x + strip.width + 0.01f);
+    for (const Box& other : window.strip().cells()) EXPECT_TRUE(&cell == &other || !overlap(cell, other));
+  }
+  for (const WindowKey& key : window.table().keys)
+    EXPECT_FALSE(overlap(strip, window.keyboard().box_of(key.number))) << key.number;
   const Box& plots = window.plots_box();
   EXPECT_GT(plots.height, 100);
   for (std::size_t k = 0; k < knobs.size(); ++k) {
     EXPECT_FALSE(overlap(knobs[k], plots)) << k;
+    EXPECT_FALSE(overlap(knobs[k], strip)) << k;
     for (std::size_t other = 0; other < k; ++other) EXPECT_FALSE(overlap(knobs[k].inner(0.01f), knobs[other])) << k;
     for (const WindowKey& key : window.table().keys)
       EXPECT_FALSE(overlap(knobs[k], window.keyboard().box_of(key.number))) << k << " and key " << key.number;
@@ -144,6 +169,13 @@ TEST(WindowLayout, ManyKnobsAndButtonsFindTheirPlace) {
   for (int key = 60; key < 68; ++key) table.keys.push_back({key, "strike hammer " + std::to_string(key)});
   table.has_buttons = true;
   for (const float scale : {1.0f, 2.0f}) expect_readable(Source(table), scale);
+}
+
+TEST(WindowLayout, SaysWhoTunesElse) {
+  const VirtualDisplay display;
+  Source source = Source::of(KeyboardInstrument<keyboards::piano, float>());
+  source.is_outside = true;
+  expect_readable(std::move(source), 1);
 }
 
 }  // namespace

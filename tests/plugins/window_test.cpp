@@ -94,12 +94,12 @@ TEST_P(WindowInHost, AClickOnAKeySoundsANote) {
   ASSERT_TRUE(shows(is_drawn));
   EXPECT_EQ(energy(advance(10)), 0);
   const std::size_t before = host_->photo().count(kAccent);
-  button(480, 560, true);
+  button(480, 600, true);
   const auto sound = advance(20);
   EXPECT_GT(energy(sound), 1e-3);
   // The curves of motion, force and energy.
   EXPECT_TRUE(shows([&](const Photo& photo) { return photo.count(kAccent) > before + 500; }));
-  button(480, 560, false);
+  button(480, 600, false);
   advance(20);  // the damper
   EXPECT_LT(energy(advance(30)), 0.2 * energy(sound));
 }
@@ -108,10 +108,10 @@ TEST_P(WindowInHost, ADragMovesTheParameterOfTheHost) {
   open(1);
   ASSERT_TRUE(shows(is_drawn));
   const double before = plugin_.value("hammer mass");
-  button(66, 446, true);
-  motion(66, 446 - 45);  // a quarter of the way
+  button(66, 448, true);
+  motion(66, 448 - 45);  // a quarter of the way
   advance(1);
-  button(66, 446 - 45, false);
+  button(66, 448 - 45, false);
   advance(1);
   ASSERT_EQ(plugin_.told().size(), 1u);
   const double told = plugin_.told().back().second, moved = plugin_.value("hammer mass");
@@ -136,8 +136,137 @@ TEST_P(WindowInHost, ThePresetMenuMovesAllParameters) {
   button(presets.x + 20, presets.y + presets.height + 8 + 2.5f * 26, true);
   button(presets.x + 20, presets.y + presets.height + 8 + 2.5f * 26, false);
   advance(1);
-  EXPECT_EQ(plugin_.told().size(), plugin_.parameters().size() - 2);  // all but volume and oversampling
+  EXPECT_EQ(plugin_.told().size(), plugin_.parameters().size() - 2 - kTuning.size());  // volume and oversampling
   EXPECT_NE(plugin_.value("stiffness ratio"), before);
+}
+
+constexpr Box kKeys = InstrumentWindow::kKeyboardBox, kStrip = InstrumentWindow::kStripBox;
+
+// The places within a box of pixels that are as asked, from left to right.
+template <typename Is>
+std::vector<int> places_of(Is is, const Photo& photo, const Box& box) {
+  std::vector<int> places;
+  for (int x = static_cast<int>(box.x); x < static_cast<int>(box.x + box.width); ++x)
+    for (int y = static_cast<int>(box.y); y < static_cast<int>(box.y + box.height); ++y)
+      if (is(photo.at(x, y))) places.push_back(x);
+  return places;
+}
+bool is_orange(const Pixel& pixel) {
+  return pixel.red > pixel.blue + 60;
+}
+bool is_blue(const Pixel& pixel) {
+  return pixel.blue > pixel.red + 60;
+}
+bool is_bright(const Pixel& pixel) {
+  return pixel.red > 160;
+}
+double middle_of(const std::vector<int>& places) {
+  return places.empty() ? -1 : (places.front() + places.back()) / 2.0;
+}
+
+// Keys that MIDI holds, and a bend of a tone, which is marked on the key that has this pitch.
+TEST_P(WindowInHost, ShowsWhichKeysAreHeldAndBent) {
+  open(1);
+  ASSERT_TRUE(shows(is_drawn));
+  const Box numbers{kKeys.x, kKeys.y - 15, kKeys.width, 15};
+  const auto shows_held = [&](bool is_held) {
+    (void)plugin_.run(1);
+    return shows([&](const Photo& photo) { return places_of(is_orange, photo, kKeys).empty() != is_held; });
+  };
+  const auto shows_bent = [&](bool is_bent) {
+    (void)plugin_.run(1);
+    return shows([&](const Photo& photo) {
+      return places_of(is_blue, photo, kKeys).empty() != is_bent &&
+             places_of(is_blue, photo, numbers).empty() != is_bent;
+    });
+  };
+  EXPECT_TRUE(shows_held(false));
+  plugin_.send(0, {0x90, 62, 100});
+  ASSERT_TRUE(shows_held(true));
+  const double d4 = middle_of(places_of(is_orange, host_->photo(), kKeys));
+  plugin_.send(0, {0x80, 62, 0});
+  EXPECT_TRUE(shows_held(false));
+  plugin_.send(0, {0x90, 60, 100});
+  ASSERT_TRUE(shows_held(true));
+  EXPECT_TRUE(shows_bent(false));
+  const double c4 = middle_of(places_of(is_orange, host_->photo(), kKeys));
+  plugin_.send(0, {0xe0, 0x7f, 0x7f});  // by the bend range
+  ASSERT_TRUE(shows_bent(true));
+  EXPECT_NEAR(middle_of(places_of(is_blue, host_->photo(), kKeys)), d4, 1);
+  plugin_.send(0, {0xe0, 0, 0x60});  // by half of it, to C sharp
+  EXPECT_TRUE(((void)plugin_.run(1), shows([&](const Photo& photo) {
+                 return std::abs(middle_of(places_of(is_blue, photo, kKeys)) - (c4 + d4) / 2) <= 1;
+               })));
+  plugin_.send(0, {0xe0, 0, 0x40});
+  EXPECT_TRUE(shows_bent(false));
+  EXPECT_TRUE(shows_held(true));
+  plugin_.send(0, {0x80, 60, 0});
+  EXPECT_TRUE(shows_held(false));
+}
+
+// Clicks and drags in the strip move parameters of the host, which the strip follows.
+TEST_P(WindowInHost, TheStripMovesTheTuning) {
+  open(1);
+  ASSERT_TRUE(shows(is_drawn));
+  const std::vector<WindowParameter> tuning = window_tuning();
+  const std::vector<Box> cells = TuningStrip(tuning, kStrip).cells();
+  const float y = kStrip.y + kStrip.height / 2, temperament_x = cells[2].x + cells[2].width - 10;
+  const auto click = [&](float x) {
+    button(x, y, true);
+    button(x, y, false);
+    advance(2);
+  };
+  button(cells[0].x + 20, y, true);
+  motion(cells[0].x + 20, y - 45);  // a quarter of the way
+  advance(1);
+  button(cells[0].x + 20, y - 45, false);
+  advance(2);
+  click(temperament_x);
+  click(temperament_x);
+  click(cells[3].x + 0.3f * cells[3].width);  // back, around the end
+  const std::vector<std::pair<std::string, double>> expected = {
+      {"bend range", 26}, {"temperament", 1}, {"temperament", 2}, {"tonic", 11}};
+  ASSERT_EQ(plugin_.told().size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_EQ(plugin_.told()[i].first, expected[i].first);
+    EXPECT_NEAR(plugin_.told()[i].second, expected[i].second, 1e-5);
+  }
+  EXPECT_NEAR(plugin_.value("bend range"), 26, 1e-5);
+  EXPECT_EQ(plugin_.value("temperament"), 2);
+  EXPECT_EQ(plugin_.value("tonic"), 11);
+  const auto a4_of = [&](const Photo& photo) { return places_of(is_bright, photo, cells[1]); };
+  const auto before = a4_of(host_->photo());
+  EXPECT_FALSE(before.empty());
+  plugin_.set("pitch of A4", 415);
+  (void)plugin_.run(1);
+  EXPECT_TRUE(shows([&](const Photo& photo) { return a4_of(photo) != before; }));
+}
+
+// Only the bend range is left while MTS-ESP tunes (mts_stub.cpp).
+TEST_P(WindowInHost, SaysThatMtsEspTunes) {
+  Library library{"libMTS.so"};
+  const auto set_master = library.symbol<void(bool)>("stub_set_master");
+  open(1);
+  ASSERT_TRUE(shows(is_drawn));
+  const auto says = [&](bool is_said) {
+    (void)plugin_.run(1);
+    return shows([&](const Photo& photo) { return places_of(is_orange, photo, kStrip).empty() != is_said; });
+  };
+  EXPECT_TRUE(says(false));
+  const std::vector<WindowParameter> tuning = window_tuning();
+  const Box temperament = TuningStrip(tuning, kStrip).cells()[2];
+  const auto click = [&] {
+    for (const bool is_down : {true, false}) button(temperament.x + 250, temperament.y + 10, is_down);
+    advance(2);
+  };
+  set_master(true);
+  EXPECT_TRUE(says(true));
+  click();
+  EXPECT_TRUE(plugin_.told().empty());
+  set_master(false);
+  EXPECT_TRUE(says(false));
+  click();
+  EXPECT_EQ(plugin_.told().size(), 1u);
 }
 
 // At 150 and 200 % the same figure in more pixels: each block of the ground has the same colour.
@@ -166,7 +295,7 @@ TEST_P(WindowInHost, GrowsWithTheWindowOfTheHost) {
               std::pair(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)));
   }
   // Keys are where they are drawn.
-  button(480, 560, true);
+  button(480, 600, true);
   EXPECT_GT(energy(advance(20)), 1e-3);
 }
 
@@ -214,7 +343,7 @@ TEST_P(WindowInHost, OpensAgainAfterItWasClosed) {
   for (int i = 0; i < 5; ++i) {
     open(1);
     EXPECT_TRUE(shows(is_drawn)) << i;
-    button(480, 560, true);
+    button(480, 600, true);
     advance(2);
     close();
     EXPECT_TRUE(std::isfinite(energy(plugin_.run(4))));

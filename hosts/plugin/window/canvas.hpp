@@ -34,7 +34,7 @@ struct Colour {
 namespace colours {
 inline constexpr Colour kBackground{20, 22, 27}, kPanel{29, 32, 39}, kLine{58, 64, 75}, kText{232, 235, 240},
     kMuted{152, 160, 173}, kAccent{255, 178, 74}, kWhiteKey{226, 229, 234}, kBlackKey{12, 13, 16},
-    kOnLight{70, 75, 84};
+    kOnLight{70, 75, 84}, kMark{64, 156, 255};
 }  // namespace colours
 
 /// A number in four digits or more, with its unit.

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
-// The window of an instrument: its name and presets, the figure of its contact, its knobs, its keys.
+// The window of an instrument: its name and presets, the figure of its contact, its knobs, its tuning, its keys.
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,6 +16,7 @@
 #include "window/keyboard.hpp"
 #include "window/knob.hpp"
 #include "window/plots.hpp"
+#include "window/tuning_strip.hpp"
 #include "window/window_source.hpp"
 
 namespace contactspline {
@@ -20,14 +24,15 @@ namespace contactspline {
 /// Coordinates are those of the window at 100 %.
 class InstrumentWindow {
  public:
-  static constexpr unsigned kWidth = 960, kHeight = 600;
+  static constexpr unsigned kWidth = 960, kHeight = 640;
 
   InstrumentWindow(WindowSource& source, WindowHost& host)
       : source_(source), host_(host), table_(source.window_table()), figure_(source.window_rate_hz()) {
-    values_.resize(table_.parameters.size());
+    values_.resize(table_.parameters.size() + table_.tuning.size());
     place_knobs();
     source_.ring().watch(true);
     take_values();
+    take_keys();
   }
   InstrumentWindow(const InstrumentWindow&) = delete;
   InstrumentWindow& operator=(const InstrumentWindow&) = delete;
@@ -39,10 +44,11 @@ class InstrumentWindow {
     const bool was_moving = figure_.is_moving();
     figure_.add(samples_);
     is_ground_old_ |= take_values();
-    return is_ground_old_ || (!samples_.empty() && (was_moving || figure_.is_moving()));
+    const bool is_bent = take_keys();
+    return is_ground_old_ || is_bent || (!samples_.empty() && (was_moving || figure_.is_moving()));
   }
 
-  /// What seldom changes: name, presets, panels, knobs, keys.
+  /// What seldom changes: name, presets, panels, knobs, tuning, keys.
   void draw_ground(Canvas& canvas) {
     is_ground_old_ = false;
     canvas.text({kMargin, 10, 480, 26}, table_.title, 22, colours::kText);
@@ -50,14 +56,17 @@ class InstrumentWindow {
     plots_.draw_ground(canvas, table_);
     for (std::size_t p = 0; p < knobs_.size(); ++p)
       draw_knob(canvas, knobs_[p], table_.parameters[p], values_[p], held_knob_ == p);
-    keyboard_.draw(canvas, pressed_key_);
+    strip_.draw(canvas, std::span(values_).subspan(knobs_.size()),
+                held_knob_ >= knobs_.size() ? std::optional(*held_knob_ - knobs_.size()) : std::nullopt);
+    keyboard_.draw(canvas, [&](int key) { return key == pressed_key_ || cents_of(key); });
     draw_preset_button(canvas);
   }
   [[nodiscard]] bool is_ground_old() const { return is_ground_old_; }
 
-  /// On the ground: the contact, and the menu while it is open.
+  /// On the ground: the contact, bends, and the menu while it is open.
   void draw_figure(Canvas& canvas) {
     plots_.draw(canvas, table_, figure_);
+    keyboard_.draw_bends(canvas, [&](int key) { return cents_of(key); });
     if (is_menu_open_) draw_menu(canvas);
   }
 
@@ -69,14 +78,7 @@ class InstrumentWindow {
     if (!table_.presets.empty() && kPresetBox.has(x, y)) {
       is_menu_open_ = true;
     } else if (const auto knob = knob_at(x, y)) {
-      const bool is_double = last_knob_ == knob && time_s - last_press_s_ < 0.4;
-      last_knob_ = knob;
-      last_press_s_ = time_s;
-      host_.edit(*knob, true);
-      held_knob_ = knob;
-      held_part_ = table_.parameters[*knob].scale.part_of(values_[*knob]);
-      held_y_ = y;
-      if (is_double) move_to(*knob, table_.parameters[*knob].initial);
+      press_knob(*knob, x, y, time_s);
     } else {
       move_to_key(keyboard_.at(x, y));
       is_playing_ = true;
@@ -87,10 +89,10 @@ class InstrumentWindow {
   void move(double x, double y, bool fine) {
     constexpr double kTravel = 180;
     if (held_knob_) {
-      const HostScale& scale = table_.parameters[*held_knob_].scale;
+      const HostScale& scale = parameter(*held_knob_).scale;
       held_part_ = std::clamp(held_part_ + (held_y_ - y) / kTravel * (fine ? 0.1 : 1), 0.0, 1.0);
       held_y_ = y;
-      move_to(*held_knob_, scale.value_at(held_part_));
+      move_to(*held_knob_, stepped(*held_knob_, scale.value_at(held_part_), fine));
     } else if (is_playing_) {
       move_to_key(keyboard_.at(x, y));
     }
@@ -104,25 +106,24 @@ class InstrumentWindow {
     is_ground_old_ = true;
   }
 
-  /// The wheel of the mouse: a fiftieth of a slider for each step.
+  /// The wheel of the mouse: for each step a fiftieth of a slider, or what one step of the tuning is.
   void scroll(double x, double y, double steps) {
     const auto knob = knob_at(x, y);
-    if (!knob || held_knob_ || is_menu_open_) return;
-    const HostScale& scale = table_.parameters[*knob].scale;
-    host_.edit(*knob, true);
-    move_to(*knob, scale.value_at(std::clamp(scale.part_of(values_[*knob]) + 0.02 * steps, 0.0, 1.0)));
-    host_.edit(*knob, false);
+    if (!knob || held_knob_ || is_menu_open_ || steps == 0) return;
+    set_at_once(*knob, scrolled(*knob, steps));
   }
 
   // Where things are, for tests.
   [[nodiscard]] const std::vector<Box>& knobs() const { return knobs_; }
+  [[nodiscard]] const TuningStrip& strip() const { return strip_; }
   [[nodiscard]] const Keyboard& keyboard() const { return keyboard_; }
   [[nodiscard]] const WindowTable& table() const { return table_; }
   [[nodiscard]] const Box& plots_box() const { return plots_box_; }
-  static constexpr Box kPresetBox{720, 14, 224, 32};
+  static constexpr Box kPresetBox{720, 14, 224, 32}, kKeyboardBox{16, 540, kWidth - 32, 84},
+      kStripBox{16, 498, kWidth - 32, 26};
 
  private:
-  static constexpr float kMargin = 16, kHeader = 62, kKnobHeight = 94, kKeyHeight = 84, kMenuLine = 26;
+  static constexpr float kMargin = 16, kHeader = 62, kKnobHeight = 94, kMenuLine = 26;
   static constexpr std::size_t kKnobsInRow = 10;
 
   void place_knobs() {
@@ -130,7 +131,7 @@ class InstrumentWindow {
     const std::size_t rows = std::min<std::size_t>(3, (count + kKnobsInRow - 1) / kKnobsInRow);
     const std::size_t columns = (count + rows - 1) / rows;
     const float width = std::min(110.0f, (kWidth - 2 * kMargin) / static_cast<float>(columns));
-    const float top = keyboard_box_.y - 10 - static_cast<float>(rows) * kKnobHeight;
+    const float top = kStripBox.y - 4 - static_cast<float>(rows) * kKnobHeight;
     for (std::size_t p = 0; p < count; ++p) {
       const std::size_t row = p / columns, in_row = std::min(columns, count - row * columns);
       const float left = (kWidth - static_cast<float>(in_row) * width) / 2;
@@ -144,7 +145,41 @@ class InstrumentWindow {
   [[nodiscard]] std::optional<std::size_t> knob_at(double x, double y) const {
     for (std::size_t p = 0; p < knobs_.size(); ++p)
       if (knobs_[p].has(x, y)) return p;
-    return {};
+    const auto tuning = strip_.at(x, y);
+    return tuning ? std::optional(knobs_.size() + *tuning) : std::nullopt;
+  }
+  // The knobs, and behind them the tuning, as the host counts them.
+  [[nodiscard]] const WindowParameter& parameter(std::size_t number) const {
+    return number < knobs_.size() ? table_.parameters[number] : table_.tuning[number - knobs_.size()];
+  }
+
+  void press_knob(std::size_t knob, double x, double y, double time_s) {
+    if (!parameter(knob).entries.empty()) {
+      const std::size_t list = knob - knobs_.size();
+      return set_at_once(knob, strip_.clicked(list, values_[knob], x));
+    }
+    const bool is_double = last_knob_ == knob && time_s - last_press_s_ < 0.4;
+    last_knob_ = knob;
+    last_press_s_ = time_s;
+    host_.edit(knob, true);
+    held_knob_ = knob;
+    held_part_ = parameter(knob).scale.part_of(values_[knob]);
+    held_y_ = y;
+    if (is_double) move_to(knob, parameter(knob).initial);
+  }
+
+  // A value of a knob, to the nearest that the mouse moves it to.
+  [[nodiscard]] double stepped(std::size_t knob, double value, bool fine) const {
+    if (parameter(knob).step == 0) return value;
+    const double in_one = (fine ? 10 : 1) / parameter(knob).step;
+    return std::round(value * in_one) / in_one;
+  }
+  [[nodiscard]] double scrolled(std::size_t knob, double steps) const {
+    const auto& [name, unit, initial, scale, entries, step] = parameter(knob);
+    const double whole = std::copysign(std::max(1.0, std::abs(steps)), steps);
+    if (!entries.empty()) return strip_.stepped(knob - knobs_.size(), values_[knob], whole > 0 ? 1 : -1);
+    if (step != 0) return std::clamp(values_[knob] + step * whole, scale.min, scale.max);
+    return scale.value_at(std::clamp(scale.part_of(values_[knob]) + 0.02 * steps, 0.0, 1.0));
   }
 
   // What a knob that is held shows is not yet everywhere in the plug-in.
@@ -159,10 +194,33 @@ class InstrumentWindow {
     return is_new;
   }
 
-  void move_to(std::size_t parameter, double value) {
-    values_[parameter] = value;
+  // Looks at keys that are held and at who tunes; true if a key is bent otherwise.
+  bool take_keys() {
+    bool is_bent = false;
+    for (const WindowKey& key : table_.keys) {
+      const auto cents = source_.held_keys().cents(key.number);
+      const auto whole = cents ? std::optional(static_cast<int>(std::lround(*cents))) : std::nullopt;
+      std::optional<int>& shown = cents_[static_cast<std::size_t>(key.number)];
+      is_ground_old_ |= whole.has_value() != shown.has_value();
+      is_bent |= whole != shown;
+      shown = whole;
+    }
+    is_ground_old_ |= strip_.is_outside() != source_.is_tuned_outside();
+    strip_.tune_outside(source_.is_tuned_outside());
+    return is_bent;
+  }
+  // Of a key that is held.
+  [[nodiscard]] std::optional<int> cents_of(int key) const { return cents_[static_cast<std::size_t>(key)]; }
+
+  void move_to(std::size_t knob, double value) {
+    values_[knob] = value;
     is_ground_old_ = true;
-    host_.set(parameter, value);
+    host_.set(knob, value);
+  }
+  void set_at_once(std::size_t knob, double value) {
+    host_.edit(knob, true);
+    move_to(knob, value);
+    host_.edit(knob, false);
   }
 
   void move_to_key(std::optional<Keyboard::Press> press) {
@@ -198,11 +256,7 @@ class InstrumentWindow {
     is_ground_old_ = true;
     for (std::size_t i = 0; i < table_.presets.size(); ++i) {
       if (!menu_line(i).has(x, y)) continue;
-      for (std::size_t p = 0; p < table_.presets[i].values.size(); ++p) {
-        host_.edit(p, true);
-        move_to(p, table_.presets[i].values[p]);
-        host_.edit(p, false);
-      }
+      for (std::size_t p = 0; p < table_.presets[i].values.size(); ++p) set_at_once(p, table_.presets[i].values[p]);
     }
   }
 
@@ -243,8 +297,8 @@ class InstrumentWindow {
   Plots plots_;
   std::vector<ContactSample> samples_;
   std::vector<double> values_;
-  const Box keyboard_box_{kMargin, kHeight - kMargin - kKeyHeight, kWidth - 2 * kMargin, kKeyHeight};
-  Keyboard keyboard_{table_, keyboard_box_};
+  Keyboard keyboard_{table_, kKeyboardBox};
+  TuningStrip strip_{table_.tuning, kStripBox};
   std::vector<Box> knobs_;
   Box plots_box_{};
 
@@ -252,6 +306,7 @@ class InstrumentWindow {
   std::optional<std::size_t> held_knob_, last_knob_;
   double held_part_ = 0, held_y_ = 0, last_press_s_ = -1;
   std::optional<int> pressed_key_;
+  std::array<std::optional<int>, kMidiKeys> cents_ = {};  // of the keys that are held
 };
 
 }  // namespace contactspline

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "window/canvas.hpp"
@@ -37,19 +39,45 @@ class Keyboard {
     return {};
   }
 
-  void draw(Canvas& canvas, std::optional<int> pressed) const {
+  /// is_held(key): is it down?
+  template <typename IsHeld>
+  void draw(Canvas& canvas, const IsHeld& is_held) const {
     for (const Key& key : keys_) {
-      const bool is_down = pressed == key.number;
+      const bool is_down = key.plays && is_held(key.number);
       const Colour up = !key.is_piano_key ? colours::kPanel : key.is_black ? colours::kBlackKey : colours::kWhiteKey;
       canvas.lay({key.box.x, key.box.y, key.box.width - kGap, key.box.height}, is_down     ? colours::kAccent
                                                                                : key.plays ? up
                                                                                            : colours::kLine);
       if (key.words.empty()) continue;
-      const Box bottom{key.box.x + 1, key.box.y + key.box.height - 17, key.box.width - 2, 14};
+      const Box bottom{key.box.x + 1, key.box.y + key.box.height - kWords, key.box.width - 2, 14};
       if (key.is_piano_key)
         canvas.text(bottom, key.words, 9, colours::kOnLight, Side::kMiddle);
       else
         canvas.text(key.box.inner(6), key.words, 13, is_down ? colours::kBackground : colours::kText, Side::kMiddle);
+    }
+  }
+
+  /// Of each key that is held elsewhere than at its own pitch: a mark where that pitch is on the keyboard, and, above
+  /// it, the distance in cents, where there is room. cents_of(key): of a held key, in whole cents.
+  template <typename CentsOf>
+  void draw_bends(Canvas& canvas, const CentsOf& cents_of) const {
+    constexpr float kMark = 3, kSize = 11;
+    std::vector<std::pair<float, int>> marks;
+    for (const Key& key : keys_) {
+      const std::optional<int> cents = key.plays ? cents_of(key.number) : std::nullopt;
+      if (cents.value_or(0) != 0) marks.emplace_back(place_of(key, *cents), *cents);
+    }
+    std::sort(marks.begin(), marks.end());
+    float end = 0;  // of the last number
+    for (const auto& [x, cents] : marks) {
+      if (keys_.front().is_piano_key)
+        canvas.fill({x - kMark / 2, box_.y, kMark, box_.height - kWords}, colours::kMark);
+      const std::string words = (cents > 0 ? "+" : "") + std::to_string(cents);
+      const float width = canvas.width_of(words, kSize) + 2;
+      const float left = std::clamp(x - width / 2, box_.x, box_.x + box_.width - width);
+      if (left < end) continue;
+      canvas.text({left, box_.y - 14, width, 13}, words, kSize, colours::kMark, Side::kMiddle);
+      end = left + width + 3;
     }
   }
 
@@ -60,7 +88,7 @@ class Keyboard {
   }
 
  private:
-  static constexpr float kGap = 1;  // between keys
+  static constexpr float kGap = 1, kWords = 17;  // between keys, below on them
 
   struct Key {
     int number;
@@ -68,6 +96,18 @@ class Keyboard {
     std::string words;
     bool is_black = false, plays = true, is_piano_key = true;
   };
+
+  // The middle of a key, or between two of them where its pitch is; within the keyboard.
+  [[nodiscard]] float place_of(const Key& key, int cents) const {
+    const auto middle = [](const Box& box) { return box.x + (box.width - kGap) / 2; };
+    if (!key.is_piano_key) return middle(key.box);
+    const auto [first, last] = std::minmax_element(keys_.begin(), keys_.end(),
+                                                   [](const Key& a, const Key& b) { return a.number < b.number; });
+    const float pitch = std::clamp(static_cast<float>(key.number) + static_cast<float>(cents) / 100,
+                                   static_cast<float>(first->number), static_cast<float>(last->number));
+    const int below = static_cast<int>(pitch), above = std::min(below + 1, last->number);
+    return std::lerp(middle(box_of(below)), middle(box_of(above)), pitch - static_cast<float>(below));
+  }
 
   static bool is_black(int number) {
     constexpr std::array<bool, 12> kBlack = {false, true,  false, true,  false, false,

@@ -9,7 +9,9 @@
 
 #include "contactspline/instrument/instrument.hpp"
 #include "host_values.hpp"
+#include "tuning_parameters.hpp"
 #include "window/contact_ring.hpp"
+#include "window/held_keys.hpp"
 
 namespace contactspline {
 
@@ -18,6 +20,8 @@ struct WindowParameter {
   std::string name, unit;
   double initial;
   HostScale scale;
+  std::vector<std::string> entries = {};  ///< of a list, whose values count them
+  double step = 0;                        ///< between values that the mouse moves it to; 0: to any
 
   [[nodiscard]] static WindowParameter of(const Parameter& parameter) {
     const auto& [name, unit, factor] = label_of(parameter.name);
@@ -40,12 +44,23 @@ struct WindowKey {
 struct WindowTable {
   std::string title, description;
   std::vector<WindowParameter> parameters = {};
+  std::vector<WindowParameter> tuning = {};  ///< parameters, too: the host counts them behind the others
   std::vector<WindowPreset> presets = {};
   std::vector<WindowKey> keys = {};  ///< of a piano's 88 those that play
   std::string motion, motion_unit;   ///< name and unit of ContactSample::motion
   double motion_full_scale = 1;      ///< in the unit
   bool has_buttons = false;          ///< does each key play an event of its own?
 };
+
+/// The parameters that tune a plug-in.
+[[nodiscard]] inline std::vector<WindowParameter> window_tuning() {
+  std::vector<WindowParameter> tuning;
+  for (std::uint32_t number = 0; number < kTuningParameters.size(); ++number) {
+    const auto& [name, symbol, unit, min, max, initial] = kTuningParameters[number];
+    tuning.push_back({name, unit, initial, {min, max, false}, tuning_entries(number), 1});
+  }
+  return tuning;
+}
 
 /// The table of an instrument. numbers: which of its parameters a window shows; motion: which of its outputs.
 template <Instrument I>
@@ -80,10 +95,14 @@ template <Instrument I>
 class WindowSource {
  public:
   [[nodiscard]] virtual WindowTable window_table() const = 0;
-  /// What a host sees.
+  /// What a host sees, of the parameters and, behind them, of the tuning.
   [[nodiscard]] virtual double window_value(std::size_t parameter) const = 0;
   [[nodiscard]] virtual double window_rate_hz() const = 0;
+  /// While it is watched, the held keys and who tunes are up to date, too.
   [[nodiscard]] virtual ContactRing& ring() = 0;
+  [[nodiscard]] virtual const HeldKeys& held_keys() const = 0;
+  /// Does MTS-ESP tune?
+  [[nodiscard]] virtual bool is_tuned_outside() const = 0;
 
  protected:
   ~WindowSource() = default;

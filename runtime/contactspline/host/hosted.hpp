@@ -132,6 +132,12 @@ class Hosted {
     midi_.set_bend_range(semitones, [this](const MidiEvent& event) { take(event); });
   }
 
+  /// What is held, and how far it is tuned, as MidiInterpreter has it.
+  template <typename Visitor>
+  void each_held(Visitor&& visit) const {
+    midi_.each_held(visit);
+  }
+
   /// Moves all parameters to those of a preset.
   void load(std::size_t preset) {
     if (preset >= instrument().presets().size()) return;

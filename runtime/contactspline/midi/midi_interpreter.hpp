@@ -138,6 +138,14 @@ class MidiInterpreter {
       if (sounding_[key].name.channel >= 0 && name.means(sounding_[key].name)) visit(static_cast<int>(key));
   }
 
+  /// Calls visit(key of MIDI, cents above its pitch in equal temperament) for each note that is held. Where several
+  /// play the same key of the instrument, all have the pitch of the last one.
+  template <typename Visitor>
+  void each_held(Visitor&& visit) const {
+    for (const Held& held : std::span(held_).first(held_count_))
+      visit(held.name.key, 100.0 * (held.played - held.name.key) + cents_of_key(held.played));
+  }
+
   /// Tunes the keys by a table, or anew, for the notes that begin from now on.
   void tune(const MidiSettings& settings) {
     settings_ = settings;
@@ -202,6 +210,12 @@ class MidiInterpreter {
   [[nodiscard]] double cents_of(int channel) const {
     const int master = master_of(channel);
     return tuning_.master() + at(channel).cents() + (master < 0 ? 0 : at(master).cents());
+  }
+
+  // Of the instrument, which has played.
+  [[nodiscard]] double cents_of_key(int key) const {
+    const Sounding& note = sounding_[static_cast<std::size_t>(key)];
+    return note.own_cents + note.bent_cents + cents_of(note.name.channel);
   }
 
   template <typename Sink>
@@ -462,11 +476,10 @@ class MidiInterpreter {
 
   template <typename Sink>
   void tell_key(int key, Sink& sink) {
-    const Sounding& note = sounding_[static_cast<std::size_t>(key)];
     sink(MidiEvent{.kind = Kind::kKeyBend,
-                   .channel = note.name.channel,
+                   .channel = sounding_[static_cast<std::size_t>(key)].name.channel,
                    .key = key,
-                   .cents = note.own_cents + note.bent_cents + cents_of(note.name.channel)});
+                   .cents = cents_of_key(key)});
   }
 
   MidiSettings settings_;
