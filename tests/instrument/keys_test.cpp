@@ -140,6 +140,12 @@ TEST(Voices, AreMovedAlone) {
   both.set(felt, 1e9);
   EXPECT_EQ(both.voice(1).value(felt), both.value(felt));
   both.move_key(57, felt, std::nan(""));
+  both.move_key(57, felt, std::numeric_limits<double>::infinity());
+  (void)played(both, 100);
+  both.set(felt, 1);
+  both.move_key(57, felt, 0);
+  (void)played(both, 100);
+  EXPECT_EQ(both.voice(1).value(felt), 1);
   both.move_key(20, felt, 1);
 }
 

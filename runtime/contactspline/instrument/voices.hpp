@@ -132,6 +132,8 @@ class Voices {
   /// parameter glides.
   void move_key(int key, std::size_t parameter, double by) {
     if (range_of(key) == nullptr || !moves_keys(parameter) || !is_number(by)) return;
+    const auto [min, max] = parameters()[parameter].allowed;
+    by = std::clamp(by, min - max, max - min);
     if (by == std::exchange(key_moves_[static_cast<std::size_t>(key) * values_.size() + parameter], by)) return;
     are_moved_ = true;
     for (Voice& voice : voices_)

@@ -85,21 +85,21 @@ class MidiInterpreter {
           [&](std::span<const std::uint8_t> exclusive) { this->exclusive(exclusive, sink); }, [&] { reset(sink); });
   }
 
-  /// Begins a note of a host that names it. velocity: above 0 to 1; cents above its key. What is not of MIDI's range
-  /// does nothing. express: called before it sounds; may express it.
+  /// Begins a note of a host that names it. velocity: 0 to 1; cents above its key, -12000 to 12000; both clamped.
+  /// What is no number, no key or no channel does nothing. express: called before it sounds; may express it.
   template <typename Sink, typename Express>
   void begin(const NoteName& name, double velocity, double cents, Sink&& sink, Express&& express) {
     const bool is_of_midi =
         name.key >= 0 && name.key < int(kMidiKeys) && name.channel >= 0 && name.channel < kChannels;
-    if (!is_of_midi || !(velocity >= 0) || !is_number(cents)) return;
-    start(name, (std::min)(velocity, 1.0), cents, sink, express);
+    if (!is_of_midi || !is_number(velocity) || !is_number(cents)) return;
+    start(name, std::clamp(velocity, 0.0, 1.0), held(0.0, cents, kTuned), sink, express);
   }
-  /// Ends the notes of a name that are held. velocity: 0 to 1.
+  /// Ends the notes of a name that are held. velocity: 0 to 1, clamped; 0 where it is no number.
   template <typename Sink>
   void end(const NoteName& name, double velocity, Sink&& sink) {
     for (std::size_t n = 0; n < held_count_;)
       if (name.means(held_[n].name))
-        end(n, 127 * velocity, sink);
+        end(n, 127 * held(0.0, velocity, {0, 1}), sink);
       else
         ++n;
   }
@@ -111,7 +111,7 @@ class MidiInterpreter {
       Sounding& note = sounding_[static_cast<std::size_t>(key)];
       switch (expression) {
         case NoteExpression::kTuning:
-          note.bent_cents = value;
+          note.bent_cents = held(0.0, value, kTuned);
           return tell_key(key, sink);
         case NoteExpression::kLevel:
         case NoteExpression::kPan:
@@ -191,6 +191,7 @@ class MidiInterpreter {
  private:
   using Kind = MidiEvent::Kind;
   static constexpr int kHalf = 64, kChannels = 16;
+  static constexpr ControlRange<double> kTuned{-12000, 12000};  // cents, by a host that names notes
 
   struct Held {
     std::size_t note;
