@@ -82,14 +82,14 @@ int soak(int steps, unsigned seed, bool has_windows) {
   // Opens, clicks or closes a window, and lets all draw.
   const auto use_windows = [&](Slot& slot) {
     if (!slot.window && slot.plugin) {
-      slot.window = std::make_unique<HostWindow>(*display, 1440, 900);
+      slot.window = std::make_unique<HostWindow>(*display, 1440, 960);
       slot.plugin->open_window(slot.window->get(), 1 + 0.5 * static_cast<double>(random.below(2)));
       ++windows;
     } else if (random.below(4) == 0) {
       close_window(slot);
     } else if (slot.window) {
       for (const bool is_down : {true, false})
-        slot.window->button(static_cast<int>(random.below(1440)), static_cast<int>(random.below(900)), is_down);
+        slot.window->button(static_cast<int>(random.below(1440)), static_cast<int>(random.below(960)), is_down);
       ++clicks;
     }
     for (Slot& open : slots)

@@ -27,13 +27,13 @@ float advance(HostedPlugin& plugin) {
 }
 
 void run(HostedPlugin& plugin) {
-  HWND frame = CreateWindowExW(0, L"STATIC", L"", WS_POPUP | WS_CLIPCHILDREN | WS_VISIBLE, 0, 0, 960, 600, nullptr,
+  HWND frame = CreateWindowExW(0, L"STATIC", L"", WS_POPUP | WS_CLIPCHILDREN | WS_VISIBLE, 0, 0, 960, 640, nullptr,
                                nullptr, nullptr, nullptr);
   if (frame == nullptr) throw std::runtime_error("no window of the host");
   plugin.open_window(reinterpret_cast<std::uintptr_t>(frame), 1);
   HWND inner = GetWindow(frame, GW_CHILD);
   if (inner == nullptr) throw std::runtime_error("nothing stands in the window");
-  constexpr LPARAM kKey = 560 << 16 | 480;
+  constexpr LPARAM kKey = 600 << 16 | 480;
   float largest = 0;
   for (int frames = 0; largest == 0 && frames < 600; ++frames) {
     if (frames % 60 == 30) PostMessageW(inner, WM_LBUTTONDOWN, MK_LBUTTON, kKey);

@@ -66,7 +66,7 @@ TEST(WindowsPlugin, IsDescribedAsOnLinux) {
 TEST_P(WindowsPlugin, OpensItsWindow) {
   const std::string format = GetParam();
   if (format == "lv2") GTEST_SKIP() << "no host of LV2 is built for Windows";
-  constexpr int kWidth = 960, kHeight = 600;
+  constexpr int kWidth = 960, kHeight = 640;
   constexpr std::size_t kPixels = kWidth * kHeight;
   constexpr Pixel kBackground{20, 22, 27}, kPanel{29, 32, 39};
   const VirtualDisplay display;
