@@ -186,13 +186,14 @@ std::vector<Sampled> sampled(const RoundPlate& plate, std::span<const RoundPlate
                              const QuadratureRule& rule) {
   std::map<std::pair<int, double>, std::size_t> found;
   std::vector<Sampled> shapes;
+  shapes.reserve(modes.size());
   for (const auto& [order, wavenumber, is_sine] : modes) {
     const auto [like, is_new] = found.try_emplace({order, wavenumber}, shapes.size());
     if (is_new)
       shapes.emplace_back(RadialShape(plate.rim, plate.poisson_ratio, order, wavenumber * plate.radius_m), order,
                           rule);
     else
-      shapes.push_back(Sampled(shapes[like->second]));
+      shapes.emplace_back(shapes[like->second]);
     shapes.back().quarters = is_sine;
   }
   return shapes;

@@ -156,6 +156,39 @@ TEST(StretchingFile, LetsThePitchOfATomFall) {
   EXPECT_TRUE(within(fall_of_tom(tom, 6), 0, 1e-3));
 }
 
+// The two even tensions of a plate between fixed edges, whose modes are found by their frequencies: kx^2 + ky^2 and
+// kx^2
+// - ky^2, however the arrays order them.
+TEST(StretchingFile, HasTheFormsOfItsPlate) {
+  constexpr double kLength = 0.5, kWidth = 0.31, kThickness = 1e-3, kDensity = 7800, kModulus = 2e11, kPoisson = 0.3;
+  const InstrumentArrays arrays = arrays_of(parse_instrument(R"({
+    "name": "sheet",
+    "bodies": [ { "name": "sheet", "max_modes": 12, "stretch": { "airy_functions": 2, "edges": "fixed" },
+      "plate": { "length_m": 0.5, "width_m": 0.31, "thickness_m": 0.001, "density_kg_m3": 7800,
+                 "youngs_modulus_pa": 2e11, "poisson_ratio": 0.3, "constant_loss_per_s": 0,
+                 "quadratic_loss_m2_per_s": 0 } } ],
+    "places": [ { "name": "spot", "body": "sheet", "position_m": 0.1, "across_m": 0.1 } ],
+    "outputs": [ { "name": "spot", "displacement_m": "spot" } ] })",
+                                                             "sheet.json"),
+                                            kRate / 2);
+  const double area = kLength * kWidth, stiffness = kModulus * kThickness * area / 64;
+  ASSERT_EQ(arrays.stretch_forms.size(), 2U);
+  EXPECT_TRUE(relatively_within(arrays.stretch_forms[0].stiffness_j, stiffness / (1 - kPoisson), 1e-12));
+  EXPECT_TRUE(relatively_within(arrays.stretch_forms[1].stiffness_j, stiffness / (1 + kPoisson), 1e-12));
+  const double to_square = std::sqrt(12 * (1 - kPoisson * kPoisson) * kDensity / kModulus) / kThickness;
+  int found = 0;
+  for (std::size_t i = 0; i < 12; ++i)
+    for (int m = 1; m < 12; ++m)
+      for (int n = 1; n < 12; ++n) {
+        const double x = std::pow(m * kPi / kLength, 2), y = std::pow(n * kPi / kWidth, 2);
+        if (std::abs(arrays.angular_frequencies[i] * to_square / (x + y) - 1) > 1e-9) continue;
+        ++found;
+        EXPECT_TRUE(relatively_within(arrays.stretch_squares[i], x + y, 1e-9));
+        EXPECT_TRUE(relatively_within(arrays.stretch_squares[12 + i], x - y, 1e-9));
+      }
+  EXPECT_EQ(found, 12);
+}
+
 // Of the forms of the first body.
 double stretching_energy(const InstrumentArrays& arrays, const NetworkInstrument<double>& instrument) {
   const auto q = instrument.network().body(0).displacements();
