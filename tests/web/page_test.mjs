@@ -1635,6 +1635,31 @@ const cases = {
     });
   },
 
+  async "320 pixels hold the stage, its invitation and all chapters"() {
+    await withPage(server.address, async (page) => {
+      const wide = () => page.evaluate(() => document.documentElement.scrollWidth);
+      for (const instrument of await page.evaluate(() => [...contactSpline.page.instruments.keys()])) {
+        await page.selectOption("#instrument", instrument);
+        const { left, right } = await page.evaluate(() => {
+          const { stage } = contactSpline.page;
+          stage.invited = { left: 0, right: 0 }; // where a bow plays nothing is pulled
+          stage.rest();
+          return stage.invited;
+        });
+        assert.ok(left >= 0 && right <= 320, `${instrument}: "pull me" from ${left} to ${right}`);
+        assert.equal(await wide(), 320, instrument);
+      }
+      for (let chapter = 1; chapter <= 9; ++chapter) {
+        await page.evaluate((chapter) => contactSpline.page.story.go(chapter), chapter);
+        await page.evaluate(() => contactSpline.page.story.answered);
+        assert.equal(await wide(), 320, `chapter ${chapter}`);
+      }
+      // Canvases say what they show.
+      const unnamed = await page.locator("canvas").evaluateAll((all) => all.filter((canvas) => !canvas.closest(".plot") && !(canvas.getAttribute("role") && canvas.getAttribute("aria-label"))).length);
+      assert.equal(unnamed, 0, "canvases without a name");
+    }, { width: 320, height: 640 });
+  },
+
   async "a strike is not let go before it has begun"() {
     await withPage(server.address, async (page) => {
       const sent = await page.evaluate(async () => {

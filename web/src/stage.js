@@ -342,7 +342,10 @@ export class Stage {
     const letters = Math.round(14 + 10 * this.size);
     context.font = `italic ${letters}px ${kTitles}`;
     const isRoom = down > 0 && aside === 0 && box.bottom - end > letters; // below the arrow: a shank is beside it
-    const [left, base] = isRoom ? [Math.max(12, x - context.measureText("pull me").width / 2), end + letters] : [x + 18, (begin + end) / 2 + 8];
+    const wide = context.measureText("pull me").width;
+    const beside = x + 18 + wide < this.canvas.clientWidth - 4 ? x + 18 : x - 18 - wide;
+    const [left, base] = isRoom ? [Math.max(12, x - wide / 2), end + letters] : [beside, (begin + end) / 2 + 8];
+    this.invited = { left, right: left + wide };
     this.write(context, "pull me", left, base, "accent", context.font);
   }
 
@@ -529,10 +532,7 @@ export class Stage {
     context.strokeStyle = colour(isPlate ? "ink" : "soft");
     Object.assign(context, { lineWidth: 0.5, globalAlpha: isPlate ? 0.35 : 0.7 });
     context.beginPath();
-    for (const ring of quads.rings) {
-      ring.forEach((corner, k) => (k === 0 ? context.moveTo(x(corner), y(corner)) : context.lineTo(x(corner), y(corner))));
-      context.closePath();
-    }
+    for (const ring of quads.rings) this.trace(context, ring, x, y);
     context.stroke();
     context.globalAlpha = 1;
     if (isPlate) return;
@@ -546,15 +546,26 @@ export class Stage {
   fillRim(context, rims, { x, y }, paint) {
     context.fillStyle = paint;
     context.beginPath();
-    for (const corner of rims) context.lineTo(x(corner), y(corner));
+    this.trace(context, rims, x, y);
     context.fill();
+  }
+
+  // A smooth closed line along corners of a disc.
+  trace(context, corners, x, y) {
+    corners.forEach((corner, k) => {
+      const next = corners[(k + 1) % corners.length];
+      const middle = [(x(corner) + x(next)) / 2, (y(corner) + y(next)) / 2];
+      if (k === 0) context.moveTo((x(corners.at(-1)) + x(corner)) / 2, (y(corners.at(-1)) + y(corner)) / 2);
+      context.quadraticCurveTo(x(corner), y(corner), ...middle);
+    });
+    context.closePath();
   }
 
   // The edge of a plate, which is as thick as its rim looks.
   drawEdge(context, rims, x, y) {
     context.fillStyle = colour("wood");
     context.beginPath();
-    for (const corner of rims) context.lineTo(x(corner), y(corner) + 7 * this.size);
+    this.trace(context, rims, x, (corner) => y(corner) + 7 * this.size);
     context.fill();
   }
 
@@ -641,7 +652,7 @@ export class Stage {
     curve.forEach((displacement, p) => path.lineTo(box.left + ((box.right - box.left) * p) / (curve.length - 1), this.height(box, displacement)));
     this.strokeString(context, path, keyOf(item.hz));
     context.restore();
-    this.write(context, sticks ? "sticks" : "slips", x + 40, box.top + 14, sticks ? "blue" : "accent", `italic 16px ${kTitles}`);
+    this.write(context, sticks ? "sticks" : "slips", x + 90 < this.canvas.clientWidth ? x + 40 : x - 64, box.top + 14, sticks ? "blue" : "accent", `italic 16px ${kTitles}`);
   }
 
   // Hair that slips goes past the string faster than it creeps while it sticks.
