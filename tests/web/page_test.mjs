@@ -1461,8 +1461,12 @@ const cases = {
       await page.keyboard.press("a");
       await sounded(page, 1.5);
       const [saved] = await Promise.all([page.waitForEvent("download"), page.click("#record-clip")]);
+      // Of itself it ends after four seconds.
+      const [whole] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Save 4 s as video" }).click()]);
+      assert.equal(whole.suggestedFilename(), saved.suggestedFilename());
+      await page.getByRole("button", { name: "Save 4 s as video" }).waitFor();
       const left = await page.evaluate(() => recorders.map(({ state, stream }) => [state, ...stream.getVideoTracks().map(({ readyState }) => readyState)]));
-      assert.deepEqual(left, [["inactive", "ended"]], "one recorder, which ends");
+      assert.deepEqual(left, [["inactive", "ended"], ["inactive", "ended"]], "a recorder for each clip, which ends");
       const path = join(folder, "clip.webm");
       await saved.saveAs(path);
       const bytes = readFileSync(path);
