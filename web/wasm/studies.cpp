@@ -106,8 +106,8 @@ CONTACTSPLINE_WEB(const double*, studies_play, const char* instrument, int key, 
   return study.numbers.empty() ? nullptr : study.numbers.data();
 }
 
-/// Follows the first event of the instrument of a file from rest for so many samples: its first output, or by how much
-/// its first bow slips in each [m]. Null where there is none.
+/// Follows the first event of the instrument of a file from rest for so many samples: its first output, or by how
+/// much its first bow slips in each [m]. Null where there is none.
 CONTACTSPLINE_WEB(const double*, studies_follow, int samples, double sample_rate_hz, int is_slip) {
   study = {};
   if (of_file.empty()) return nullptr;
