@@ -23,6 +23,7 @@ const kFarthest = 0.6; // how far a hammer is followed, over the largest displac
 const kSteepest = 0.14; // the largest displacement over the width
 const kFirstPlain = 48; // key of the lowest string without windings
 const kStringsApart = 11; // pixels between strings side by side
+const kDeepest = 1.2; // distance between two of them over the radius, at most
 const kDiscOverHeight = 0.85; // radius of a drum or a gong over the height of the stage
 const kSticks = 0.15; // of the fastest slip: below it a bow's hair holds the string
 const kBlow = { stick: "stick", mallet: "ball", beater: "ball", bass: "ball", thumb: "finger", finger: "finger" }; // what strikes, by its name
@@ -254,7 +255,7 @@ export class Stage {
     this.drawFingerboard(context, box, value);
     for (const item of this.items) this.drawItem(context, this.slotOf(box, item), item, i, frame - i, value);
     if (this.bridge) this.drawBridge(context, box, i, frame - i);
-    this.drawScale(context, { ...box, bottom: box.bottom - 4 }, { x: box.right - 56, size: Math.min(70, 0.2 * height), isBeside: true });
+    this.drawScale(context, { ...box, bottom: box.bottom - 4 }, { x: this.items.some(({ kind }) => kind === "bow") ? box.left : box.right - 56, size: Math.min(70, 0.2 * height), isBeside: true });
     this.drawForce(context, { left: 60, right: width - 16, top: height - strip - 20, bottom: height - 20 }, frame);
     if (this.isInviting && this.hold && !this.pulled) this.drawInvitation(context, box);
     this.showHand();
@@ -265,7 +266,10 @@ export class Stage {
   scaleOf(top, bottom, width) {
     const height = 0.96 * (bottom - top);
     const sign = this.study.scene.isFlipped ? -1 : 1;
-    if (this.depth === null || this.slots > 1) return { middle: (top + bottom) / 2, unit: (sign * 0.44 * height) / this.reach / this.slots };
+    if (this.depth === null || this.slots > 1) {
+      const most = (0.44 * height) / this.slots, inside = this.discs.length > 0 ? 0.8 * kTilt * this.radiusIn(top, bottom, width - 60) : most; // of a shell
+      return { middle: (top + bottom) / 2, unit: (sign * Math.min(most, inside)) / this.reach };
+    }
     const room = height - kHead * this.size;
     const unit = Math.min(room / (this.reach + this.depth), Math.min(height / 2, kSteepest * width) / this.reach);
     const side = this.reach * unit + 0.4 * Math.max(0, room - (this.reach + this.depth) * unit);
@@ -355,14 +359,19 @@ export class Stage {
     context.fillText(text, x, y);
   }
 
+  // The radius of a drum or a gong.
+  radiusIn(top, bottom, width) {
+    return Math.min(width / 2, kDiscOverHeight * (bottom - top));
+  }
+
   // The part of the box where an item is drawn.
   slotOf(box, { kind, slot, row }) {
     if (this.discs.length === 0) return row ? { ...box, middle: box.middle + row * kStringsApart * this.size } : box;
-    const half = Math.min((box.right - box.left) / 2, kDiscOverHeight * (box.bottom - box.top));
+    const half = this.radiusIn(box.top, box.bottom, box.right - box.left);
     const middle = (box.left + box.right) / 2;
     const number = slot ?? (kind === "string" || kind === "touch" ? this.slots - 1 : 0);
-    const size = (box.bottom - box.top) / this.slots;
-    const top = box.top + number * size;
+    const size = Math.min((box.bottom - box.top) / this.slots, kDeepest * half); // between two heads
+    const top = (box.top + box.bottom - this.slots * size) / 2 + number * size;
     return { ...box, left: middle - half, right: middle + half, top, middle: top + size / 2 + (row ?? 0) * kStringsApart * this.size, bottom: top + size };
   }
 
@@ -388,7 +397,7 @@ export class Stage {
       const x = across(item.places ? value(item.places) : item.at);
       this.drawStop(context, x, this.height(box, item.values ? value(item.values) : item.height), item, value(item.forces), box);
     }
-    if (kind === "touch") this.drawTouch(context, across(item.at), box.middle, value(item.forces));
+    if (kind === "touch") this.drawTouch(context, across(item.at), this.string ? this.height(box, this.stringAt(item.at, i, part)) : box.middle, value(item.forces));
   }
 
   // The displacement of the string that is played, at a part of its length.
@@ -606,7 +615,9 @@ export class Stage {
     const left = x - 0.22 * (box.right - box.left), right = Math.min(x + 0.1 * (box.right - box.left), box.right + 20);
     drawBridgeFoot(context, x, y, below, this.size);
     drawPlank(context, left, right, y + below, 11 * this.size);
-    this.write(context, `board × ${readable(item.zoom)}`, Math.min(left, right - 80), y + below + 11 * this.size + 18, "soft");
+    const told = `board × ${readable(item.zoom)}`;
+    context.font = "12px system-ui";
+    this.write(context, told, right - context.measureText(told).width, y + below + 11 * this.size + 18, "soft");
   }
 
   // A bar, free at both ends, on the cords of its nodes.
