@@ -315,7 +315,7 @@ export class Stage {
     let x = left;
     for (const bar of bars) {
       const [width, paint] = bar, end = Math.min(x + width, left + full);
-      if (bar !== widest && width > 0.5) {
+      if (bar !== widest && width > 2) {
         context.fillStyle = colour(paint);
         context.beginPath();
         context.roundRect(x, 14, end - x, 16, [x < left + 8 ? 8 : 0, end > left + full - 8 ? 8 : 0, end > left + full - 8 ? 8 : 0, x < left + 8 ? 8 : 0]);
