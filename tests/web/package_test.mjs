@@ -510,6 +510,7 @@ const browserCases = {
         return connect.call(this, to, ...rest);
       };
     });
+    await page.waitForLoadState("networkidle"); // what the example still loads would be an error
     await page.goto(new URL("/bundled/", server.address).href);
     await page.getByRole("button", { name: "Play" }).click();
     await page.waitForFunction(() => {
