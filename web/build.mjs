@@ -43,9 +43,10 @@ const address = process.env.CONTACTSPLINE_PAGE_ADDRESS ?? "";
 if (!/^(https?:\/\/[^\s"<>]+\/)?$/.test(address))
   throw new Error(`CONTACTSPLINE_PAGE_ADDRESS: ${address} is no address of a folder; allowed: https://example.org/strings/`);
 const preview = { "og:url": address, "og:image": `${address}preview.png`, "og:image:alt": "A hammer on a string in slow motion" };
+const card = '<meta name="twitter:card" content="summary_large_image">';
 const tags = Object.entries(preview).map(([property, content]) => `<meta property="${property}" content="${content}">`);
 const fill = {
-  "<!--PREVIEW-->": address ? tags.join("\n") : "",
+  "<!--PREVIEW-->": address ? [...tags, card].join("\n") : "",
   "<!--LICENCES-->": `<!-- The plots are drawn by uPlot:\n\n${licence.replaceAll("--", "- -")}-->`,
   "/*STYLE*/": style,
   "<!--ASSETS-->": packed.join("\n"),

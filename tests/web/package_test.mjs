@@ -3,8 +3,9 @@
 // Chromium under a policy without eval. CASE: only the cases with this text in their name.
 import assert from "node:assert/strict";
 import { execFileSync, spawnSync } from "node:child_process";
-import { cpSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
+import { cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { createServer } from "node:http";
+import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { extname, join, resolve } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
@@ -489,6 +490,34 @@ const browserCases = {
       assert.ok(expected[0].some((x) => x !== 0), name);
       expected.forEach((channel, k) => assert.deepEqual(Float32Array.from(sounds[name][k]), channel, name));
     }
+  },
+
+  "the page of the docs plays, bundled by esbuild": async (page) => {
+    const docs = readFileSync(new URL("../../docs/how-to/npm.md", import.meta.url), "utf8");
+    const [, html, script] = docs.match(/### With a bundler[^]*?```html\n([^]*?)```[^]*?```js\n([^]*?)```/);
+    const built = join(installed, "bundled");
+    mkdirSync(built);
+    writeFileSync(join(folder, "main.js"), script);
+    writeFileSync(join(built, "index.html"), html);
+    const { buildSync } = createRequire(join(resolve(modules), "x"))("esbuild");
+    buildSync({ entryPoints: [join(folder, "main.js")], bundle: true, format: "esm", outdir: built });
+    for (const file of ["engine.wasm", "generator.wasm", "processor.js"]) cpSync(join(installed, file), join(built, file));
+    // All that is connected is measured, too.
+    await page.addInitScript(() => {
+      const { connect } = AudioNode.prototype;
+      AudioNode.prototype.connect = function (to, ...rest) {
+        connect.call(this, (globalThis.meter ??= new AnalyserNode(this.context)));
+        return connect.call(this, to, ...rest);
+      };
+    });
+    await page.waitForLoadState("networkidle"); // what the example still loads would be an error
+    await page.goto(new URL("/bundled/", server.address).href);
+    await page.getByRole("button", { name: "Play" }).click();
+    await page.waitForFunction(() => {
+      const samples = new Float32Array(2048);
+      globalThis.meter?.getFloatTimeDomainData(samples);
+      return Math.max(...samples) > 1e-3;
+    });
   },
 
   "a MIDI file has the samples of Node": async (page) => {

@@ -1461,8 +1461,12 @@ const cases = {
       await page.keyboard.press("a");
       await sounded(page, 1.5);
       const [saved] = await Promise.all([page.waitForEvent("download"), page.click("#record-clip")]);
+      // Of itself it ends after four seconds.
+      const [whole] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Save 4 s as video" }).click()]);
+      assert.equal(whole.suggestedFilename(), saved.suggestedFilename());
+      await page.getByRole("button", { name: "Save 4 s as video" }).waitFor();
       const left = await page.evaluate(() => recorders.map(({ state, stream }) => [state, ...stream.getVideoTracks().map(({ readyState }) => readyState)]));
-      assert.deepEqual(left, [["inactive", "ended"]], "one recorder, which ends");
+      assert.deepEqual(left, [["inactive", "ended"], ["inactive", "ended"]], "a recorder for each clip, which ends");
       const path = join(folder, "clip.webm");
       await saved.saveAs(path);
       const bytes = readFileSync(path);
@@ -1633,6 +1637,31 @@ const cases = {
       await page.mouse.up();
       await page.waitForFunction((before) => contactSpline.page.figures.strikes === before + 2, strikes);
     });
+  },
+
+  async "320 pixels hold the stage, its invitation and all chapters"() {
+    await withPage(server.address, async (page) => {
+      const wide = () => page.evaluate(() => document.documentElement.scrollWidth);
+      for (const instrument of await page.evaluate(() => [...contactSpline.page.instruments.keys()])) {
+        await page.selectOption("#instrument", instrument);
+        const { left, right } = await page.evaluate(() => {
+          const { stage } = contactSpline.page;
+          stage.invited = { left: 0, right: 0 }; // where a bow plays nothing is pulled
+          stage.rest();
+          return stage.invited;
+        });
+        assert.ok(left >= 0 && right <= 320, `${instrument}: "pull me" from ${left} to ${right}`);
+        assert.equal(await wide(), 320, instrument);
+      }
+      for (let chapter = 1; chapter <= 9; ++chapter) {
+        await page.evaluate((chapter) => contactSpline.page.story.go(chapter), chapter);
+        await page.evaluate(() => contactSpline.page.story.answered);
+        assert.equal(await wide(), 320, `chapter ${chapter}`);
+      }
+      // Canvases say what they show.
+      const unnamed = await page.locator("canvas").evaluateAll((all) => all.filter((canvas) => !canvas.closest(".plot") && !(canvas.getAttribute("role") && canvas.getAttribute("aria-label"))).length);
+      assert.equal(unnamed, 0, "canvases without a name");
+    }, { width: 320, height: 640 });
   },
 
   async "a strike is not let go before it has begun"() {

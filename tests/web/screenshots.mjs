@@ -43,6 +43,11 @@ for (const [device, size] of Object.entries(devices))
       stage.time.value = 0.26;
       stage.time.dispatchEvent(new Event("input"));
     });
+    // What is out of view is not drawn.
+    for (const seen of device === "docs" ? ["#figures", "#play"] : []) {
+      await page.evaluate((seen) => document.querySelector(seen).scrollIntoView({ behavior: "instant", block: "end" }), seen);
+      await page.waitForTimeout(600);
+    }
     const below = device === "docs" ? { fullPage: true, clip: { x: 0, y: 0, width: 1280, height: 1390 } } : {};
     await page.screenshot({ path: join(folder, `${device}-${colorScheme}.png`), ...below });
     for (let chapter = 1; device !== "docs" && chapter <= 9; ++chapter) {

@@ -3,12 +3,13 @@
 import { download } from "./save.js";
 
 const kFrames = 30; // per second
+const kLength = 4000; // milliseconds
 const kFormats = ["video/webm;codecs=vp9,opus", "video/webm;codecs=vp8,opus", "video/mp4"];
 
 const format = () => kFormats.find((name) => globalThis.MediaRecorder?.isTypeSupported(name));
 
 export class Clip {
-  /** button starts and ends a clip of a stage, which then moves out of view, too; audio: audio.js. It is hidden where the browser records none. */
+  /** button records a clip of kLength of a stage, or ends it before; the stage then moves out of view, too; audio: audio.js. It is hidden where the browser records none. */
   constructor(button, stage, audio) {
     Object.assign(this, { button, stage, audio, recorder: null });
     button.hidden = !format() || !stage.canvas.captureStream;
@@ -24,6 +25,8 @@ export class Clip {
     this.recorder.addEventListener("dataavailable", ({ data }) => parts.push(data));
     this.recorder.addEventListener("stop", () => this.save(parts));
     this.recorder.start();
+    const { recorder } = this;
+    setTimeout(() => recorder.state === "recording" && recorder.stop(), kLength);
     this.show(true);
   }
 
@@ -39,6 +42,6 @@ export class Clip {
     this.stage.isKept = isOn;
     this.stage.moves();
     this.button.setAttribute("aria-pressed", String(isOn));
-    this.button.textContent = isOn ? "Stop and save" : "Record clip";
+    this.button.textContent = isOn ? "Stop and save" : "Save 4 s as video";
   }
 }

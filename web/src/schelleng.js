@@ -77,7 +77,7 @@ export class Schelleng {
     context.font = "12px system-ui";
     for (const place of kMarkedPlaces) context.fillText(String(place), x(place) - 10, h / ratio - 22);
     for (const force of kMarkedForces) context.fillText(`${readable(force)} N`, 8, y(force) + 4);
-    context.fillText("distance of the bow from the bridge, over the length", kMargin.left, h / ratio - 5);
+    context.fillText("bow's distance from the bridge, of the length", kMargin.left, h / ratio - 5);
     if (!point) return;
     Object.assign(context, { strokeStyle: colour("panel"), fillStyle: colour("ink"), lineWidth: 2.5 });
     context.beginPath();

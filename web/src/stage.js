@@ -23,6 +23,7 @@ const kFarthest = 0.6; // how far a hammer is followed, over the largest displac
 const kSteepest = 0.14; // the largest displacement over the width
 const kFirstPlain = 48; // key of the lowest string without windings
 const kStringsApart = 11; // pixels between strings side by side
+const kDeepest = 1.2; // distance between two of them over the radius, at most
 const kDiscOverHeight = 0.85; // radius of a drum or a gong over the height of the stage
 const kSticks = 0.15; // of the fastest slip: below it a bow's hair holds the string
 const kBlow = { stick: "stick", mallet: "ball", beater: "ball", bass: "ball", thumb: "finger", finger: "finger" }; // what strikes, by its name
@@ -254,7 +255,7 @@ export class Stage {
     this.drawFingerboard(context, box, value);
     for (const item of this.items) this.drawItem(context, this.slotOf(box, item), item, i, frame - i, value);
     if (this.bridge) this.drawBridge(context, box, i, frame - i);
-    this.drawScale(context, { ...box, bottom: box.bottom - 4 }, { x: box.right - 56, size: Math.min(70, 0.2 * height), isBeside: true });
+    this.drawScale(context, { ...box, bottom: box.bottom - 4 }, { x: this.items.some(({ kind }) => kind === "bow") ? box.left : box.right - 56, size: Math.min(70, 0.2 * height), isBeside: true });
     this.drawForce(context, { left: 60, right: width - 16, top: height - strip - 20, bottom: height - 20 }, frame);
     if (this.isInviting && this.hold && !this.pulled) this.drawInvitation(context, box);
     this.showHand();
@@ -265,7 +266,10 @@ export class Stage {
   scaleOf(top, bottom, width) {
     const height = 0.96 * (bottom - top);
     const sign = this.study.scene.isFlipped ? -1 : 1;
-    if (this.depth === null || this.slots > 1) return { middle: (top + bottom) / 2, unit: (sign * 0.44 * height) / this.reach / this.slots };
+    if (this.depth === null || this.slots > 1) {
+      const most = (0.44 * height) / this.slots, inside = this.discs.length > 0 ? 0.8 * kTilt * this.radiusIn(top, bottom, width - 60) : most; // of a shell
+      return { middle: (top + bottom) / 2, unit: (sign * Math.min(most, inside)) / this.reach };
+    }
     const room = height - kHead * this.size;
     const unit = Math.min(room / (this.reach + this.depth), Math.min(height / 2, kSteepest * width) / this.reach);
     const side = this.reach * unit + 0.4 * Math.max(0, room - (this.reach + this.depth) * unit);
@@ -311,7 +315,7 @@ export class Stage {
     let x = left;
     for (const bar of bars) {
       const [width, paint] = bar, end = Math.min(x + width, left + full);
-      if (bar !== widest && width > 0.5) {
+      if (bar !== widest && width > 2) {
         context.fillStyle = colour(paint);
         context.beginPath();
         context.roundRect(x, 14, end - x, 16, [x < left + 8 ? 8 : 0, end > left + full - 8 ? 8 : 0, end > left + full - 8 ? 8 : 0, x < left + 8 ? 8 : 0]);
@@ -342,7 +346,10 @@ export class Stage {
     const letters = Math.round(14 + 10 * this.size);
     context.font = `italic ${letters}px ${kTitles}`;
     const isRoom = down > 0 && aside === 0 && box.bottom - end > letters; // below the arrow: a shank is beside it
-    const [left, base] = isRoom ? [Math.max(12, x - context.measureText("pull me").width / 2), end + letters] : [x + 18, (begin + end) / 2 + 8];
+    const wide = context.measureText("pull me").width;
+    const beside = x + 18 + wide < this.canvas.clientWidth - 4 ? x + 18 : x - 18 - wide;
+    const [left, base] = isRoom ? [Math.max(12, x - wide / 2), end + letters] : [beside, (begin + end) / 2 + 8];
+    this.invited = { left, right: left + wide };
     this.write(context, "pull me", left, base, "accent", context.font);
   }
 
@@ -352,14 +359,19 @@ export class Stage {
     context.fillText(text, x, y);
   }
 
+  // The radius of a drum or a gong.
+  radiusIn(top, bottom, width) {
+    return Math.min(width / 2, kDiscOverHeight * (bottom - top));
+  }
+
   // The part of the box where an item is drawn.
   slotOf(box, { kind, slot, row }) {
     if (this.discs.length === 0) return row ? { ...box, middle: box.middle + row * kStringsApart * this.size } : box;
-    const half = Math.min((box.right - box.left) / 2, kDiscOverHeight * (box.bottom - box.top));
+    const half = this.radiusIn(box.top, box.bottom, box.right - box.left);
     const middle = (box.left + box.right) / 2;
     const number = slot ?? (kind === "string" || kind === "touch" ? this.slots - 1 : 0);
-    const size = (box.bottom - box.top) / this.slots;
-    const top = box.top + number * size;
+    const size = Math.min((box.bottom - box.top) / this.slots, kDeepest * half); // between two heads
+    const top = (box.top + box.bottom - this.slots * size) / 2 + number * size;
     return { ...box, left: middle - half, right: middle + half, top, middle: top + size / 2 + (row ?? 0) * kStringsApart * this.size, bottom: top + size };
   }
 
@@ -385,7 +397,7 @@ export class Stage {
       const x = across(item.places ? value(item.places) : item.at);
       this.drawStop(context, x, this.height(box, item.values ? value(item.values) : item.height), item, value(item.forces), box);
     }
-    if (kind === "touch") this.drawTouch(context, across(item.at), box.middle, value(item.forces));
+    if (kind === "touch") this.drawTouch(context, across(item.at), this.string ? this.height(box, this.stringAt(item.at, i, part)) : box.middle, value(item.forces));
   }
 
   // The displacement of the string that is played, at a part of its length.
@@ -529,10 +541,7 @@ export class Stage {
     context.strokeStyle = colour(isPlate ? "ink" : "soft");
     Object.assign(context, { lineWidth: 0.5, globalAlpha: isPlate ? 0.35 : 0.7 });
     context.beginPath();
-    for (const ring of quads.rings) {
-      ring.forEach((corner, k) => (k === 0 ? context.moveTo(x(corner), y(corner)) : context.lineTo(x(corner), y(corner))));
-      context.closePath();
-    }
+    for (const ring of quads.rings) this.trace(context, ring, x, y);
     context.stroke();
     context.globalAlpha = 1;
     if (isPlate) return;
@@ -546,15 +555,26 @@ export class Stage {
   fillRim(context, rims, { x, y }, paint) {
     context.fillStyle = paint;
     context.beginPath();
-    for (const corner of rims) context.lineTo(x(corner), y(corner));
+    this.trace(context, rims, x, y);
     context.fill();
+  }
+
+  // A smooth closed line along corners of a disc.
+  trace(context, corners, x, y) {
+    corners.forEach((corner, k) => {
+      const next = corners[(k + 1) % corners.length];
+      const middle = [(x(corner) + x(next)) / 2, (y(corner) + y(next)) / 2];
+      if (k === 0) context.moveTo((x(corners.at(-1)) + x(corner)) / 2, (y(corners.at(-1)) + y(corner)) / 2);
+      context.quadraticCurveTo(x(corner), y(corner), ...middle);
+    });
+    context.closePath();
   }
 
   // The edge of a plate, which is as thick as its rim looks.
   drawEdge(context, rims, x, y) {
     context.fillStyle = colour("wood");
     context.beginPath();
-    for (const corner of rims) context.lineTo(x(corner), y(corner) + 7 * this.size);
+    this.trace(context, rims, x, (corner) => y(corner) + 7 * this.size);
     context.fill();
   }
 
@@ -595,7 +615,9 @@ export class Stage {
     const left = x - 0.22 * (box.right - box.left), right = Math.min(x + 0.1 * (box.right - box.left), box.right + 20);
     drawBridgeFoot(context, x, y, below, this.size);
     drawPlank(context, left, right, y + below, 11 * this.size);
-    this.write(context, `board × ${readable(item.zoom)}`, Math.min(left, right - 80), y + below + 11 * this.size + 18, "soft");
+    const told = `board × ${readable(item.zoom)}`;
+    context.font = "12px system-ui";
+    this.write(context, told, right - context.measureText(told).width, y + below + 11 * this.size + 18, "soft");
   }
 
   // A bar, free at both ends, on the cords of its nodes.
@@ -641,7 +663,7 @@ export class Stage {
     curve.forEach((displacement, p) => path.lineTo(box.left + ((box.right - box.left) * p) / (curve.length - 1), this.height(box, displacement)));
     this.strokeString(context, path, keyOf(item.hz));
     context.restore();
-    this.write(context, sticks ? "sticks" : "slips", x + 40, box.top + 14, sticks ? "blue" : "accent", `italic 16px ${kTitles}`);
+    this.write(context, sticks ? "sticks" : "slips", x + 90 < this.canvas.clientWidth ? x + 40 : x - 64, box.top + 14, sticks ? "blue" : "accent", `italic 16px ${kTitles}`);
   }
 
   // Hair that slips goes past the string faster than it creeps while it sticks.

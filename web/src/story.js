@@ -274,21 +274,31 @@ export class Story {
         note.textContent = `At ${rounded(bow.speed, 2)} m/s, ${rounded(bow.force, 2)} N and ${rounded(bow.place, 2)} of the length from the bridge: ${kMotions[played.motion].told}.`;
       });
     };
-    // One column after the other; another speed begins anew.
-    const fill = async () => {
-      const { speed } = bow;
-      columns.length = 0;
-      for (const place of kPlaces) {
-        const column = await this.background.ask("bowColumn", { speed, place });
-        if (speed !== bow.speed) return;
-        columns.push(column);
-        diagram.show(columns, bow);
-      }
-      this.filled = speed;
-    };
+    const fill = () => this.fillDiagram(bow, columns);
     stage.wake();
     ask();
     fill();
+  }
+
+  // Schelleng's diagram at the speed of now, one column after the other; another speed begins anew.
+  async fillDiagram(bow, columns) {
+    const { speed } = bow;
+    columns.length = 0;
+    for (const place of kPlaces) {
+      const column = await this.background.ask("bowColumn", { speed, place });
+      if (speed !== bow.speed) return;
+      columns.push(column);
+      this.diagram.show(columns, bow);
+    }
+    this.filled = speed;
+  }
+
+  // How long a note is, its largest force, and how well its energy balances.
+  toldOfScene(stage, { scene, column }) {
+    const told = `${rounded(1000 * stage.length(), 3)} ms, ${kSlowed} times slower; at most ${rounded(Math.max(...stage.forces), 3)} N.`;
+    if (scene.imbalance === undefined || !(scene.work > 0)) return told;
+    const worst = column(scene.imbalance).reduce((max, x) => Math.max(max, Math.abs(x)), 0);
+    return `${told} Energy balances within ${rounded(worst / scene.work, 2)} of the total.`;
   }
 
   // A stage at the top of a chapter, with a row below it. does: as Stage has it.
@@ -341,15 +351,8 @@ export class Story {
     };
     const show = (played) => {
       stage.show(played);
-      const { scene, column } = played;
       drawn({ ...played, values });
-      const peak = rounded(Math.max(...stage.forces), 3);
-      const told = [`${rounded(1000 * stage.length(), 3)} ms, ${kSlowed} times slower; at most ${peak} N.`];
-      if (scene.imbalance !== undefined && scene.work > 0) {
-        const worst = column(scene.imbalance).reduce((max, x) => Math.max(max, Math.abs(x)), 0);
-        told.push(`Energy balances within ${rounded(worst / scene.work, 2)} of the total.`);
-      }
-      note.textContent = told.join(" ");
+      note.textContent = this.toldOfScene(stage, played);
     };
     const sound = () => {
       const changed = parameters.map(({ name }, p) => [name, values[p]]).filter(([, value], p) => value !== parameters[p].init);
