@@ -37,6 +37,7 @@ class SongRecorder {
         return;
       case Kind::kNoteOff:
         return note_off(event);
+      case Kind::kKeyController:
       case Kind::kNoteStart:
       case Kind::kLevel:
       case Kind::kPan:
@@ -59,6 +60,7 @@ class SongRecorder {
       case Kind::kReset:
         return silence_all();
       case Kind::kPressure:
+      case Kind::kKeyPressure:
         song_.moves.push_back({time_s_, event.channel, kPressureController, event.value, event.is_first});
         return;
       case Kind::kProgram:

@@ -73,7 +73,7 @@ contactspline::WindowedPlugin& instrument_of(const clap_plugin_t* plugin) {
 // Reads events of notes into a list.
 class NoteReader {
  public:
-  NoteReader(contactspline::HostNotes& notes, uint32_t frame) : notes_(notes), frame_(frame) {}
+  NoteReader(contactspline::WindowedPlugin& plugin, uint32_t frame) : plugin_(plugin), frame_(frame) {}
 
   void take(const clap_event_header_t& event) {
     if (const auto* const on = as<clap_event_note_t>(event, CLAP_EVENT_NOTE_ON))
@@ -99,10 +99,10 @@ class NoteReader {
 
   void push(contactspline::HostNote note) {
     note.frame = frame_;
-    notes_.push(note);
+    plugin_.push(note);
   }
 
-  // Their ranges are those of CLAP; volume and expression both make a note louder.
+  // Their ranges are those of CLAP.
   void express(const clap_event_note_expression_t& event) {
     using E = contactspline::NoteExpression;
     const auto push_as = [&](E expression, double value) {
@@ -110,8 +110,9 @@ class NoteReader {
     };
     switch (event.expression_id) {
       case CLAP_NOTE_EXPRESSION_VOLUME:
+        return push_as(E::kVolume, event.value);
       case CLAP_NOTE_EXPRESSION_EXPRESSION:
-        return push_as(E::kLevel, event.value);
+        return push_as(E::kExpression, event.value);
       case CLAP_NOTE_EXPRESSION_PAN:
         return push_as(E::kPan, 2 * event.value - 1);
       case CLAP_NOTE_EXPRESSION_TUNING:
@@ -123,23 +124,53 @@ class NoteReader {
     }
   }
 
-  contactspline::HostNotes& notes_;
+  contactspline::WindowedPlugin& plugin_;
   uint32_t frame_;
 };
 
-// Tells the host that notes have ended, as it has to know to end their modulations: with their keys.
-void tell_ends(const clap_process_t& process) {
-  const clap_input_events_t* const in = process.in_events;
-  if (process.out_events == nullptr) return;
-  for (uint32_t i = 0; i < in->size(in); ++i) {
-    const clap_event_header_t* const event = in->get(in, i);
-    const auto* const off = event == nullptr ? nullptr : as<clap_event_note_t>(*event, CLAP_EVENT_NOTE_OFF);
-    if (off == nullptr || off->channel < 0 || off->key < 0) continue;
-    clap_event_note_t ended = *off;
-    ended.header.type = CLAP_EVENT_NOTE_END;
-    process.out_events->try_push(process.out_events, &ended.header);
+// What the plug-in tells a host in a part of a block, with the times of the block.
+class OutputsWithin {
+ public:
+  OutputsWithin(const clap_output_events_t* all, uint32_t begin) : all_(all), begin_(begin) {}
+  OutputsWithin(const OutputsWithin&) = delete;
+
+  [[nodiscard]] const clap_output_events_t* events() const { return &events_; }
+
+  // That notes have ended with their keys: the host has to know it, to end their modulations. Told at the end of the
+  // part, as times must not go back.
+  void tell_ends(const clap_input_events_t& in, uint32_t first, uint32_t last, uint32_t frames) const {
+    for (uint32_t i = first; i < last; ++i) {
+      const clap_event_header_t* const event = in.get(&in, i);
+      if (event == nullptr) continue;
+      for (const uint16_t type : {CLAP_EVENT_NOTE_OFF, CLAP_EVENT_NOTE_CHOKE}) {
+        const auto* const off = as<clap_event_note_t>(*event, type);
+        if (off == nullptr || off->channel < 0 || off->key < 0) continue;
+        clap_event_note_t ended = *off;
+        ended.header.type = CLAP_EVENT_NOTE_END;
+        ended.header.time = frames > 0 ? frames - 1 : 0;
+        events_.try_push(&events_, &ended.header);
+      }
+    }
   }
-}
+
+ private:
+  static bool push(const clap_output_events_t* list, const clap_event_header_t* event) {
+    const auto& self = *static_cast<const OutputsWithin*>(list->ctx);
+    union {
+      clap_event_header_t header;
+      clap_event_param_value_t value;
+      clap_event_note_t note;
+    } copy;
+    if (self.all_ == nullptr || event->size > sizeof copy) return false;
+    std::memcpy(&copy, event, event->size);
+    copy.header.time += self.begin_;
+    return self.all_->try_push(self.all_, &copy.header);
+  }
+
+  const clap_output_events_t* all_;
+  uint32_t begin_;
+  clap_output_events_t events_ = {this, push};
+};
 
 // A part of a host's events, in the order of their times, for a block that begins with a sample: what the framework
 // takes, which are changes of parameters.
@@ -189,30 +220,36 @@ static CLAP_ABI clap_process_status clap_plugin_process(const clap_plugin_t* plu
   const uint32_t count = in == nullptr ? 0 : in->size(in), length = process->frames_count;
   const bool is_stereo =
       process->audio_outputs_count == 1 && process->audio_outputs[0].channel_count == DISTRHO_PLUGIN_NUM_OUTPUTS;
-  if (count == 0 || !is_stereo) return clap_plugin_process_of_framework(plugin, process);
-  clap_audio_buffer_t bus = process->audio_outputs[0];
+  if (count == 0) return clap_plugin_process_of_framework(plugin, process);
+  contactspline::WindowedPlugin& instrument = instrument_of(plugin);
+  clap_audio_buffer_t bus = is_stereo ? process->audio_outputs[0] : clap_audio_buffer_t{};
   float* channels[DISTRHO_PLUGIN_NUM_OUTPUTS];
   clap_process_t part = *process;
-  part.audio_outputs = &bus;
-  bus.data32 = channels;
+  if (is_stereo) part.audio_outputs = &bus;
   for (uint32_t begin = 0, first = 0;;) {
     uint32_t end = length, last = first;
     for (; last < count && end == length; last += end == length) {
       const clap_event_header_t* const event = in->get(in, last);
-      if (event != nullptr && EventsWithin::is_change(*event) && event->time > begin && event->time < length)
+      if (event != nullptr && is_stereo && EventsWithin::is_change(*event) && event->time > begin &&
+          event->time < length)
         end = event->time;
     }
     const EventsWithin events(in, first, last, begin);
+    const OutputsWithin outputs(process->out_events, begin);
     for (uint32_t i = first; i < last; ++i)
       if (const clap_event_header_t* const event = in->get(in, i))
-        NoteReader(instrument_of(plugin).notes, event->time - std::min(event->time, begin)).take(*event);
-    for (uint32_t c = 0; c < DISTRHO_PLUGIN_NUM_OUTPUTS; ++c)
+        NoteReader(instrument, event->time - std::min(event->time, begin)).take(*event);
+    if (!is_stereo || end == begin) instrument.take_notes();
+    for (uint32_t c = 0; is_stereo && c < DISTRHO_PLUGIN_NUM_OUTPUTS; ++c)
       channels[c] = process->audio_outputs[0].data32[c] + begin;
+    bus.data32 = channels;
     part.in_events = events.events();
+    part.out_events = outputs.events();
     part.frames_count = end - begin;
     if (process->steady_time >= 0) part.steady_time = process->steady_time + begin;
     const clap_process_status status = clap_plugin_process_of_framework(plugin, &part);
-    if (status == CLAP_PROCESS_ERROR || end == length) return tell_ends(*process), status;
+    outputs.tell_ends(*in, first, last, end - begin);
+    if (status == CLAP_PROCESS_ERROR || end == length) return status;
     begin = end;
     first = last;
   }
@@ -266,8 +303,13 @@ static CLAP_ABI bool clap_plugin_params_text_to_value(const clap_plugin_t*, clap
 
 static CLAP_ABI void clap_plugin_params_flush(const clap_plugin_t* plugin, const clap_input_events_t* in,
                                               const clap_output_events_t* out) {
-  const EventsWithin events(in, 0, in == nullptr ? 0 : in->size(in), 0);
+  const uint32_t count = in == nullptr ? 0 : in->size(in);
+  const EventsWithin events(in, 0, count, 0);
   clap_plugin_params_flush_of_framework(plugin, events.events(), out);
+  for (uint32_t i = 0; i < count; ++i)
+    if (const clap_event_header_t* const event = in->get(in, i))
+      if (const auto* const moved = as<clap_event_param_mod_t>(*event, CLAP_EVENT_PARAM_MOD))
+        if (contactspline::is_of_all(name_of(*moved))) instrument_of(plugin).modulate(moved->param_id, moved->amount);
 }
 
 // Notes come by name, or by MIDI, with MPE.

@@ -14,12 +14,13 @@ namespace contactspline {
 
 struct HostNote {
   enum class Kind : unsigned char {
-    kMidi,     ///< bytes
-    kBegin,    ///< name, value: velocity, 0 to 1; cents above its key
-    kEnd,      ///< name, value: release velocity, 0 to 1
-    kExpress,  ///< name, expression, value as MidiInterpreter has it
-    kSet,      ///< name, parameter, value as the host shows it
-    kModulate  ///< name, or none for all; parameter, value: how far it is moved, as the host shows it
+    kMidi,      ///< bytes
+    kBegin,     ///< name, value: velocity, 0 to 1; cents above its key
+    kEnd,       ///< name, value: release velocity, 0 to 1
+    kEndFirst,  ///< the same of the first note of that name that is held
+    kExpress,   ///< name, expression, value as MidiInterpreter has it
+    kSet,       ///< name, parameter, value as the host shows it
+    kModulate   ///< name, or none for all; parameter, value: how far it is moved, as the host shows it
   };
   Kind kind;
   std::uint32_t frame;  ///< in the block [samples]
@@ -35,20 +36,23 @@ struct HostNote {
   return name.id < 0 && name.channel < 0 && name.key < 0;
 }
 
-/// The list of a block. What is more than it holds is lost.
+/// The list of a block.
 class HostNotes {
  public:
-  static constexpr std::size_t kMax = 4096;
-
-  void push(const HostNote& note) {
-    if (count_ < kMax) notes_[count_++] = note;
-  }
+  [[nodiscard]] bool is_full() const { return count_ == notes_.size(); }
+  /// Where it is not full.
+  void push(const HostNote& note) { notes_[count_++] = note; }
   [[nodiscard]] std::span<const HostNote> all() const { return std::span(notes_).first(count_); }
   void clear() { count_ = 0; }
 
  private:
-  std::array<HostNote, kMax> notes_;
+  std::array<HostNote, 1024> notes_;
   std::size_t count_ = 0;
+};
+
+/// How far a host has moved a parameter of a key: by setting it, and by modulating it. In the instrument's unit.
+struct NoteMove {
+  double set = 0, modulated = 0;
 };
 
 }  // namespace contactspline

@@ -82,7 +82,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
         oversampling_index_(peak_index_ + instrument().outputs().size()),
         factors_(all_factors()),
         values_(factors_.size()),
-        modulations_(factors_.size()),
+        moves_(kMidiKeys * factors_.size()),
         outputs_(instrument().outputs().size()),
         unheard_(outputs_.size()),
         peaks_(outputs_.size()),
@@ -110,8 +110,9 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
 
   // What a host has set, on any thread.
   struct HostValue {
-    std::atomic<float> shown = 0;      ///< in the unit for people
-    std::atomic<bool> is_new = false;  ///< not yet passed on
+    std::atomic<float> shown = 0;        ///< in the unit for people
+    std::atomic<double> modulation = 0;  ///< beside it, which hosts do not show
+    std::atomic<bool> is_new = false;    ///< not yet passed on
   };
 
   // The largest magnitude of an output, which falls with its time constant.
@@ -164,6 +165,16 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     table.parameters.push_back(WindowParameter::of(kVolume));
     table.tuning = window_tuning();
     return table;
+  }
+  void take_notes() override {
+    take_values();
+    for (std::span<const HostNote> rest = notes_.all(); !rest.empty(); rest = rest.subspan(1)) take(rest);
+    notes_.clear();
+  }
+  void modulate(std::uint32_t parameter, double amount) override {
+    if (!is_modulated(parameter) || !is_number(amount)) return;
+    values_[parameter].modulation = amount;
+    values_[parameter].is_new = true;
   }
   bool is_modulated(std::uint32_t parameter) const override { return parameter < volume_index_; }
   bool is_of_notes(std::uint32_t parameter) const override {
@@ -338,8 +349,8 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
   void activate() override {
     end_thread();
     for (HostValue& value : values_) value.is_new = true;
-    std::ranges::fill(modulations_, 0);
-    notes.clear();
+    for (HostValue& value : values_) value.modulation = 0;
+    notes_.clear();
     take_values();
     attempt([this] { renew(); });
     setLatency(latency());
@@ -362,7 +373,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
       play(outputs, done, time);
       done = time;
     };
-    std::span<const HostNote> rest = notes.all();
+    std::span<const HostNote> rest = notes_.all();
     for (const DISTRHO_NAMESPACE::MidiEvent& event : std::span(events, count)) {
       for (; !rest.empty() && rest.front().frame < event.frame; rest = rest.subspan(1)) {
         play_until(rest.front().frame);
@@ -375,7 +386,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
       play_until(rest.front().frame);
       take(rest);
     }
-    notes.clear();
+    notes_.clear();
     play(outputs, done, samples);
     if (ring_.is_watched()) show_keys();
   }
@@ -389,7 +400,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
       if (p == volume_index_)
         volume_target_ = value;
       else
-        this->hosted.set(this->numbers[p], static_cast<double>(value) / factors_[p] + modulations_[p]);
+        this->hosted.set(this->numbers[p], (static_cast<double>(value) + values_[p].modulation) / factors_[p]);
     }
   }
 
@@ -400,11 +411,18 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     if (note.kind != Kind::kBegin) return take(note);
     begin(note.name.key, note.name.channel);
     this->hosted.begin_note(note.name, note.value, note.cents, [&] {
+      this->hosted.each_note(note.name, [this](int key) { forget(key); });
       for (const HostNote& other : notes_of_block.subspan(1)) {
         if (other.frame != note.frame) return;
         if (other.kind >= Kind::kExpress && !is_of_all(other.name) && other.name.means(note.name)) take(other);
       }
     });
+  }
+
+  // A note begins on a key without what was said of the one before.
+  void forget(int key) { std::ranges::fill(moves_of(key), NoteMove{}); }
+  [[nodiscard]] std::span<NoteMove> moves_of(int key) {
+    return std::span(moves_).subspan(static_cast<std::size_t>(key) * factors_.size(), factors_.size());
   }
 
   void take(const HostNote& note) {
@@ -415,7 +433,8 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
       case Kind::kBegin:
         return;
       case Kind::kEnd:
-        return this->hosted.end_note(note.name, note.value);
+      case Kind::kEndFirst:
+        return this->hosted.end_note(note.name, note.value, note.kind == Kind::kEndFirst);
       case Kind::kExpress:
         return this->hosted.express(note.name, note.expression, note.value);
       case Kind::kSet:
@@ -434,15 +453,19 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
   // all.
   void move(const HostNote& note) {
     if (!is_modulated(note.parameter) || !is_number(note.value)) return;
-    const std::size_t p = note.parameter, number = this->numbers[p];
-    const double value = note.value / factors_[p];
     if (is_of_all(note.name)) {
-      modulations_[p] = value;
-      values_[p].is_new = true;
+      modulate(note.parameter, note.value);
       return take_values();
     }
-    const double now = note.kind == HostNote::Kind::kSet ? this->hosted.target(number) : modulations_[p];
-    this->hosted.move_note(note.name, number, value - now);
+    const std::size_t p = note.parameter;
+    this->hosted.each_note(note.name, [&](int key) {
+      NoteMove& moved = moves_of(key)[p];
+      if (note.kind == HostNote::Kind::kSet)
+        moved.set = (note.value - static_cast<double>(values_[p].shown)) / factors_[p];
+      else
+        moved.modulated = (note.value - values_[p].modulation) / factors_[p];
+      this->hosted.move_key(key, this->numbers[p], moved.set + moved.modulated);
+    });
   }
 
   // One message; in CLAP each has three bytes.
@@ -524,7 +547,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
   std::thread thread_;           // while it is active
   std::vector<double> factors_;  // unit for people over the instrument's
   std::vector<HostValue> values_;
-  std::vector<double> modulations_;  // how far a host moves the values for a time, in the instrument's units
+  std::vector<NoteMove> moves_;  // of each key the parameters
   std::vector<float*> outputs_;
   std::vector<std::array<float, kBlock>> unheard_;  // of outputs that are on neither side
   std::vector<Peak> peaks_;

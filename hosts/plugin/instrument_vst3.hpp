@@ -14,6 +14,7 @@
 #include <cstring>
 #include <iterator>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "contactspline/midi/midi_meaning.hpp"
@@ -89,7 +90,8 @@ struct Expression {
 };
 inline constexpr uint32_t kPressure = 100000;
 inline constexpr Expression kExpressions[] = {
-    {0, "volume", "", 0.25, contactspline::NoteExpression::kLevel, 0, 4},
+    {0, "volume", "", 0.25, contactspline::NoteExpression::kVolume, 0, 4},
+    {4, "expression", "", 1, contactspline::NoteExpression::kExpression, 0, 1},
     {1, "pan", "", 0.5, contactspline::NoteExpression::kPan, -1, 1},
     {2, "tuning", "semitones", 0.5, contactspline::NoteExpression::kTuning, -12000, 12000},
     {5, "brightness", "", 0.5, contactspline::NoteExpression::kBrightness, 0, 1},
@@ -107,48 +109,49 @@ inline double velocity_of(float velocity) {
   return std::abs(steps - std::round(steps)) < 1e-4 ? std::round(steps) / 127 : velocity;
 }
 
-/// An event of a host as the instrument takes it; where it has no meaning, nothing is pressed.
-inline contactspline::HostNote note_of(const v3_event& event) {
+/// An event of a host as the instrument takes it; nothing where it has no meaning. A note off without an identity is
+/// that of the first note of its key and channel.
+inline std::optional<contactspline::HostNote> note_of(const v3_event& event) {
   using contactspline::HostNote, contactspline::NoteExpression;
   using Kind = HostNote::Kind;
   switch (event.type) {
     case V3_EVENT_NOTE_ON: {
       const v3_event_note_on& on = event.note_on;
-      return {.kind = on.velocity > 0 ? Kind::kBegin : Kind::kEnd,
-              .frame = 0,
-              .name = {on.note_id, on.channel, on.pitch},
-              .value = velocity_of(on.velocity),
-              .cents = on.tuning};
+      return HostNote{.kind = on.velocity > 0 ? Kind::kBegin : Kind::kEndFirst,
+                      .frame = 0,
+                      .name = {on.note_id, on.channel, on.pitch},
+                      .value = velocity_of(on.velocity),
+                      .cents = on.tuning};
     }
     case V3_EVENT_NOTE_OFF: {
       const v3_event_note_off& off = event.note_off;
-      return {.kind = Kind::kEnd,
-              .frame = 0,
-              .name = {off.note_id, off.channel, off.pitch},
-              .value = velocity_of(off.velocity)};
+      return HostNote{.kind = Kind::kEndFirst,
+                      .frame = 0,
+                      .name = {off.note_id, off.channel, off.pitch},
+                      .value = velocity_of(off.velocity)};
     }
     case V3_EVENT_POLY_PRESSURE: {
       const v3_event_poly_pressure& pressed = event.poly_pressure;
-      return {.kind = Kind::kExpress,
-              .frame = 0,
-              .name = {-1, pressed.channel, pressed.pitch},
-              .value = pressed.pressure,
-              .expression = NoteExpression::kPressure};
+      return HostNote{.kind = Kind::kExpress,
+                      .frame = 0,
+                      .name = {-1, pressed.channel, pressed.pitch},
+                      .value = pressed.pressure,
+                      .expression = NoteExpression::kPressure};
     }
     case V3_EVENT_NOTE_EXP_VALUE:
       if (const Expression* const known = expression(event.note_exp_value.type_id))
-        return {.kind = Kind::kExpress,
-                .frame = 0,
-                .name = {.id = event.note_exp_value.note_id},
-                .value = known->first + (known->last - known->first) * event.note_exp_value.value,
-                .expression = known->meaning};
+        return HostNote{.kind = Kind::kExpress,
+                        .frame = 0,
+                        .name = {.id = event.note_exp_value.note_id},
+                        .value = known->first + (known->last - known->first) * event.note_exp_value.value,
+                        .expression = known->meaning};
       break;
     case V3_EVENT_DATA:
-      return {.kind = Kind::kMidi, .frame = 0, .bytes = {event.data.bytes, event.data.size}};
+      return HostNote{.kind = Kind::kMidi, .frame = 0, .bytes = {event.data.bytes, event.data.size}};
     default:
       break;
   }
-  return {.kind = Kind::kMidi, .frame = 0};
+  return {};
 }
 
 }  // namespace vst3_object
@@ -314,7 +317,7 @@ class InstrumentVst3 : public PluginVst3 {
     v3_process_data part = *data;
     part.input_events = nullptr;
     if (!has_changes) {
-      read_notes(data->input_events, 0, (std::numeric_limits<int32_t>::max)());
+      read_notes(data->input_events, 0, (std::numeric_limits<int32_t>::max)(), length <= 0);
       return PluginVst3::process(&part);
     }
     v3_audio_bus_buffers bus = data->num_output_buses > 0 ? data->outputs[0] : v3_audio_bus_buffers();
@@ -325,7 +328,8 @@ class InstrumentVst3 : public PluginVst3 {
       vst3_object::ControllerPoints points;
       const int32_t end = change_parameters(data->input_params, begin, length, points);
       // What a host sends outside of the block belongs to its ends.
-      read_notes(data->input_events, begin, end == length ? (std::numeric_limits<int32_t>::max)() : end);
+      read_notes(data->input_events, begin, end == length ? (std::numeric_limits<int32_t>::max)() : end,
+                 end <= begin);
       for (int32_t c = 0; c < bus.num_channels; ++c) channels[c] = data->outputs[0].channel_buffers_32[c] + begin;
       bus.channel_buffers_32 = channels;
       part.nframes = end - begin;
@@ -439,18 +443,20 @@ class InstrumentVst3 : public PluginVst3 {
 
   // Passes the notes from a sample on and before another one to a block that begins with the first. What a host sends
   // before the block belongs to its first sample.
-  void read_notes(v3_event_list** list, int32_t begin, int32_t end) {
-    contactspline::HostNotes& notes = contactspline::WindowedPlugin::of(fPlugin.getInstancePointer()).notes;
+  void read_notes(v3_event_list** list, int32_t begin, int32_t end, bool is_empty) {
+    contactspline::WindowedPlugin& instrument = contactspline::WindowedPlugin::of(fPlugin.getInstancePointer());
     const uint32_t count = list == nullptr ? 0 : v3_cpp_obj(list)->get_event_count(list);
     for (uint32_t i = 0; i < count; ++i) {
       v3_event event;
       if (v3_cpp_obj(list)->get_event(list, static_cast<int32_t>(i), &event) != V3_OK) break;
       const int32_t sample = (std::max)(0, event.sample_offset);
       if (sample < begin || sample >= end) continue;
-      contactspline::HostNote note = vst3_object::note_of(event);
-      note.frame = static_cast<uint32_t>(sample - begin);
-      notes.push(note);
+      auto note = vst3_object::note_of(event);
+      if (!note) continue;
+      note->frame = static_cast<uint32_t>(sample - begin);
+      instrument.push(*note);
     }
+    if (is_empty) instrument.take_notes();
   }
 
   // What hosts can express of notes.

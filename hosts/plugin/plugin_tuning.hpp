@@ -72,12 +72,11 @@ class PluginTuning {
   template <typename T>
   void before_note(Hosted<T>& hosted, int key, int channel) {
     const bool is_tuned = client_ && client_->is_tuned();
-    if (is_tuned) hosted.tune_key(key, cents(key, channel));
-    if (!is_tuned && was_tuned_) {
-      is_new_ = true;
+    if (is_tuned != std::exchange(was_tuned_, is_tuned)) {
+      is_new_ = true;  // and strings nearer to the pitch play what is tuned far
       take(hosted);
     }
-    was_tuned_ = is_tuned;
+    if (is_tuned) hosted.tune_key(key, cents(key, channel));
   }
 
  private:

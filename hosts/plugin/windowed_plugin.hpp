@@ -24,7 +24,21 @@ class WindowedPlugin : public DISTRHO_NAMESPACE::Plugin, public WindowSource {
   [[nodiscard]] virtual bool is_modulated(std::uint32_t parameter) const = 0;
   [[nodiscard]] virtual bool is_of_notes(std::uint32_t parameter) const = 0;
 
-  HostNotes notes;  ///< of the next block; run() takes them
+  // On the audio thread.
+
+  /// For the next block. Where there are too many, those before it act at once.
+  void push(const HostNote& note) {
+    if (notes_.is_full()) take_notes();
+    notes_.push(note);
+  }
+  /// Does what they say, at once: where no block follows, which would take them at their samples.
+  virtual void take_notes() = 0;
+
+  /// How far a host moves a parameter for a time beside its value, as it shows it. On any thread.
+  virtual void modulate(std::uint32_t parameter, double amount) = 0;
+
+ protected:
+  HostNotes notes_;  ///< of the next block
 };
 
 }  // namespace contactspline

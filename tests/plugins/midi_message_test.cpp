@@ -251,8 +251,9 @@ TEST(NamedNotes, AreBegunExpressedAndEndedAlone) {
   EXPECT_EQ(happens([&] { hosted.midi(span_of(wheel(0))); }), "bend:60=-189.875 ");
   EXPECT_EQ(happens([&] { hosted.express({.channel = 1}, E::kPressure, 1); }), "move:64/force=3.5 ");
   EXPECT_EQ(happens([&] { hosted.express({.key = 60}, E::kBrightness, 0.5); }), "move:60/hardness=1 ");
-  EXPECT_EQ(happens([&] { hosted.express({}, E::kLevel, 2); }), "level:60=2 level:64=2 ");
-  EXPECT_EQ(happens([&] { hosted.express({8, 1, 64}, E::kPan, -1); }), "pan:64=-1 ");
+  EXPECT_EQ(happens([&] { hosted.express({}, E::kVolume, 2); }), "level:60=2 level:64=2 ");
+  EXPECT_EQ(happens([&] { hosted.express({.id = 7}, E::kExpression, 0.25); }), "level:60=0.5 ");
+  EXPECT_EQ(happens([&] { hosted.express({8, 1, 64}, E::kPan, -2); }), "pan:64=-1 ");
   EXPECT_EQ(happens([&] { hosted.move_note({.id = 8}, 4, 0.25); }), "move:64/hardness=0.25 ");
   EXPECT_EQ(happens([&] { hosted.express({.id = 9}, E::kTuning, 100); }), "");
   EXPECT_EQ(happens([&] { hosted.express({.id = 7}, E::kTuning, std::nan("")); }), "");
@@ -260,6 +261,15 @@ TEST(NamedNotes, AreBegunExpressedAndEndedAlone) {
   EXPECT_EQ(happens([&] { hosted.end_note({.id = 7}, 1); }), "off:60=1 ");
   EXPECT_EQ(happens([&] { hosted.express({.id = 7}, E::kTuning, 0); }), "bend:60=-190 ") << "it still rings";
   EXPECT_EQ(happens([&] { hosted.end_note({}, 0.5), hosted.end_note({}, 0.5); }), "off:64=0.5 ");
+
+  // Two notes of one key and channel, on keys of their own where they are tuned so far; the wheel is 2 semitones
+  // down.
+  hosted.begin_note({1, 0, 60}, 1);
+  hosted.begin_note({2, 0, 60}, 1, 2400);
+  EXPECT_EQ(happens([&] { hosted.express({.id = 2}, E::kPressure, 1); }), "move:82/force=3.5 ");
+  EXPECT_EQ(happens([&] { hosted.express({.id = 1}, E::kPan, 1); }), "pan:60=1 ");
+  EXPECT_EQ(happens([&] { hosted.end_note({-1, 0, 60}, 1, true); }), "off:60=1 ");
+  EXPECT_EQ(happens([&] { hosted.end_note({-1, 0, 60}, 1, true); }), "off:82=1 ");
 }
 
 // What nobody has set is the next instrument's own, also after a rest.
@@ -326,10 +336,10 @@ TEST(HostileMidi, EndsEachNoteOnce) {
         midi.begin(name, value, 100 * value, sink, [&] { midi.express(name, NoteExpression::kTuning, value, sink); });
         break;
       case 1:
-        midi.end(name, value, sink);
+        midi.end(name, value, n % 3 == 0, sink);
         break;
       default:
-        midi.express(name, static_cast<NoteExpression>(n / 8 % 5), value, sink);
+        midi.express(name, static_cast<NoteExpression>(n / 8 % 6), value, sink);
     }
   }
   EXPECT_GT(begun, 5'000u);

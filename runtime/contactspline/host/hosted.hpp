@@ -108,8 +108,18 @@ class Hosted {
   void begin_note(const NoteName& name, double velocity, double cents = 0) {
     begin_note(name, velocity, cents, [] {});
   }
-  void end_note(const NoteName& name, double velocity) {
-    midi_.end(name, velocity, [this](const MidiEvent& event) { take(event); });
+  void end_note(const NoteName& name, double velocity, bool is_first_only = false) {
+    midi_.end(name, velocity, is_first_only, [this](const MidiEvent& event) { take(event); });
+  }
+  /// Calls visit(key) for each key of the instrument that plays such a note, or has played it last.
+  template <typename Visitor>
+  void each_note(const NoteName& name, const Visitor& visit) const {
+    midi_.each(name, visit);
+  }
+  /// Moves a parameter of one key of the instrument alone.
+  void move_key(int key, std::size_t parameter, double by) {
+    expressed_.set(static_cast<std::size_t>(key));
+    sleeper_.play({0, Action::kMoveKey, static_cast<std::size_t>(key), by, 0, parameter});
   }
   void express(const NoteName& name, NoteExpression expression, double value) {
     midi_.express(name, expression, value, [this](const MidiEvent& event) { take(event); });
@@ -198,7 +208,10 @@ class Hosted {
       case Kind::kReset:
         return reset();
       case Kind::kPressure:
+      case Kind::kKeyPressure:
         return move(kPressureController, event);
+      case Kind::kKeyController:
+        return move(event.number, event);
       case Kind::kLevel:
       case Kind::kPan:
         expressed_.set(key);
@@ -217,23 +230,23 @@ class Hosted {
         set(p, loaded.values[p]);
   }
 
-  // Moves the parameters of a controller to a part of their way, or to where they were at first: for notes alone
-  // where the event is theirs and the instrument can.
+  // Moves the parameters of a controller to a part of their way, or to where they were at first: those of all, or of
+  // some keys where the instrument can.
   void move(int controller, const MidiEvent& event) {
+    const bool is_of_key =
+        event.kind == MidiEvent::Kind::kKeyPressure || event.kind == MidiEvent::Kind::kKeyController;
     for (std::size_t p = 0; p < targets_.size(); ++p) {
       const Parameter& x = instrument().parameters()[p];
       if (controller == 0 || x.controller != controller) continue;
       const double value = event.is_first ? x.initial : value_at(x, event.value);
-      if (!event.is_alone || !instrument().moves_keys(p))
+      const double by = event.is_first ? 0 : value - target(p);
+      if (!instrument().moves_keys(p) || !(is_of_key || event.is_of_zone))
         set(p, value);
+      else if (is_of_key)
+        move_key(event.key, p, by);
       else
-        move_note({-1, event.channel, event.key}, p, event.is_first ? 0 : value - target(p));
+        move_note({.channel = event.channel}, p, by);
     }
-  }
-
-  void move_key(int key, std::size_t parameter, double by) {
-    expressed_.set(static_cast<std::size_t>(key));
-    sleeper_.play({0, Action::kMoveKey, static_cast<std::size_t>(key), by, 0, parameter});
   }
 
   // A note begins without what was expressed on its key before, but with what its channel of an MPE zone has.

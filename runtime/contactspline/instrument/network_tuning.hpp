@@ -38,16 +38,13 @@ class NetworkTuning {
   /// string: a body, or kAllStrings.
   void tune(double cents, std::size_t string) {
     for (String& tuned : strings_)
-      if ((string == kAllStrings || string == tuned.body) && std::exchange(tuned.target, cents) != cents)
-        tuned.wait = 0;
+      if (string == kAllStrings || string == tuned.body) tuned.target = cents;
   }
   [[nodiscard]] bool has_arrived() const {
     return std::ranges::all_of(strings_, [&](const String& s) { return s.target + shift_ == s.bend.cents(); });
   }
   /// Shifts all strings, beside tune().
-  void shift(double cents) {
-    if (std::exchange(shift_, cents) != cents) follow_now();
-  }
+  void shift(double cents) { shift_ = cents; }
   /// Calls visit(body, cents) with what tune() has set.
   template <typename Visitor>
   void each(const Visitor& visit) const {
@@ -71,11 +68,11 @@ class NetworkTuning {
     std::optional<double> work;
     for (String& string : strings_) {
       const double target = string.target + shift_;
-      if (target == string.bend.cents()) continue;
       if (string.wait > 0) {
         --string.wait;
         continue;
       }
+      if (target == string.bend.cents()) continue;
       string.wait = kStep - 1;
       const double before = network.energy(), now_s = static_cast<double>(sample_) / sample_rate_hz;
       if (!string.bend.follow(target, energy(network, string), now_s)) continue;

@@ -461,6 +461,11 @@ class Voices {
       if (voice.players[p] && event_played_by(p) == event && (last == kPlayers || orders_[p] > orders_[last]))
         last = p;
     if (last == kPlayers) return play_event(voice.instrument, events()[event], 0);
+    if (voice.player == player) {
+      voice.player = last;
+      follow_moves(voice, true);
+      mix(last);
+    }
     if (last >= kKeys) return;
     const KeyRange& range = *range_of(static_cast<int>(last));
     const std::size_t tuner = voice.tuners[number_of(range)];

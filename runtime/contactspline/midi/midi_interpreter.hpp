@@ -23,13 +23,15 @@ namespace contactspline {
 /// An event of a performance by MIDI.
 struct MidiEvent {
   enum class Kind {
-    kNoteStart,    ///< channel, key, cents, pressure, brightness: what a note begins with, before its kNoteOn
-    kNoteOn,       ///< note, channel, key, value: velocity above 0 to 1, cents
-    kNoteOff,      ///< note, channel, key, value: release velocity, 0 to 1, is_last
-    kKeyBend,      ///< channel, key, cents: of a key that the channel has played last
-    kChannelBend,  ///< channel, cents: of all its keys, beside their own tuning
-    kPressure,     ///< channel, key of MIDI or -1 for all of the channel, value: 0 to 1, is_first, is_alone
-    kController,   ///< channel, number, value: 0 to 1, is_alone
+    kNoteStart,      ///< channel, key, cents, pressure, brightness: what a note begins with, before its kNoteOn
+    kNoteOn,         ///< note, channel, key, value: velocity above 0 to 1, cents
+    kNoteOff,        ///< note, channel, key, value: release velocity, 0 to 1, is_last
+    kKeyBend,        ///< channel, key, cents: of a key that the channel has played last
+    kChannelBend,    ///< channel, cents: of all its keys, beside their own tuning
+    kPressure,       ///< channel, value: 0 to 1, is_first, is_of_zone
+    kController,     ///< channel, number, value: 0 to 1, is_of_zone
+    kKeyPressure,    ///< channel, key, value: 0 to 1
+    kKeyController,  ///< channel, key, number, value: 0 to 1
     kPedal,    ///< number: of kMidiPedals; value: 0 up to 1 down, of the channel that presses it farthest; also where
                ///< it stays there
     kProgram,  ///< channel, number
@@ -40,16 +42,16 @@ struct MidiEvent {
   };
 
   Kind kind;
-  int channel = 0;        ///< 0 to 15
-  int key = -1;           ///< of the instrument, which the note plays
-  int number = 0;         ///< of a controller, a pedal or a program
-  double value = 0;       ///< of what kind says
-  double cents = 0;       ///< above the pitch of `key`
-  double own_cents = 0;   ///< of a note: what of that is not its channel's
-  std::size_t note = 0;   ///< identity: how many notes began before it
-  bool is_last = true;    ///< of a note off: does no other note hold the key?
-  bool is_first = false;  ///< of a pressure: as if none had been sent
-  bool is_alone = false;  ///< is it of what its channel plays, and of nothing else?
+  int channel = 0;          ///< 0 to 15
+  int key = -1;             ///< of the instrument, which the note plays
+  int number = 0;           ///< of a controller, a pedal or a program
+  double value = 0;         ///< of what kind says
+  double cents = 0;         ///< above the pitch of `key`
+  double own_cents = 0;     ///< of a note: what of that is not its channel's
+  std::size_t note = 0;     ///< identity: how many notes began before it
+  bool is_last = true;      ///< of a note off: does no other note hold the key?
+  bool is_first = false;    ///< of a pressure: as if none had been sent
+  bool is_of_zone = false;  ///< is its channel a member of an MPE zone, whose notes it concerns alone?
   /// Of a note that starts: those of its channel in an MPE zone, 0 to 1; not a number where none was sent.
   double pressure = MidiChannel::kUnsent, brightness = MidiChannel::kUnsent;
 };
@@ -65,8 +67,9 @@ struct NoteName {
 };
 
 /// What such a host can do to a note: tune it [cents above its key], press it, 0 to 1, make it brighter, 0 to 1, and
-/// mix it by a gain, 0 to 4, and a place, -1 (left) to 1 (right).
-enum class NoteExpression { kTuning, kPressure, kBrightness, kLevel, kPan };
+/// mix it: by its volume and its expression, each 0 to 4, whose product is its gain, and by its place, -1 (left) to 1
+/// (right). Values are clamped.
+enum class NoteExpression { kTuning, kPressure, kBrightness, kVolume, kExpression, kPan };
 
 /// Follows channels, tunings, MPE zones and held notes. What each message does is listed in midi_meaning.hpp. A note
 /// off ends the note of its key and channel that began first. Nothing allocates; any bytes are safe.
@@ -94,14 +97,18 @@ class MidiInterpreter {
     if (!is_of_midi || !is_number(velocity) || !is_number(cents)) return;
     start(name, std::clamp(velocity, 0.0, 1.0), held(0.0, cents, kTuned), sink, express);
   }
-  /// Ends the notes of a name that are held. velocity: 0 to 1, clamped; 0 where it is no number.
+  /// Ends the notes of a name that are held, or the first of them. velocity: 0 to 1, clamped; 0 where it is no
+  /// number.
   template <typename Sink>
-  void end(const NoteName& name, double velocity, Sink&& sink) {
-    for (std::size_t n = 0; n < held_count_;)
-      if (name.means(held_[n].name))
-        end(n, 127 * held(0.0, velocity, {0, 1}), sink);
-      else
+  void end(const NoteName& name, double velocity, bool is_first_only, Sink&& sink) {
+    for (std::size_t n = 0; n < held_count_;) {
+      if (!name.means(held_[n].name)) {
         ++n;
+        continue;
+      }
+      end(n, 127 * held(0.0, velocity, {0, 1}), sink);
+      if (is_first_only) return;
+    }
   }
   /// Expresses the notes of a name, also while they ring after their end.
   template <typename Sink>
@@ -113,21 +120,24 @@ class MidiInterpreter {
         case NoteExpression::kTuning:
           note.bent_cents = held(0.0, value, kTuned);
           return tell_key(key, sink);
-        case NoteExpression::kLevel:
-        case NoteExpression::kPan:
-          return sink(MidiEvent{.kind = expression == NoteExpression::kPan ? Kind::kPan : Kind::kLevel,
+        case NoteExpression::kVolume:
+        case NoteExpression::kExpression:
+          (expression == NoteExpression::kVolume ? note.volume : note.expression) = held(0.0, value, {0, 4});
+          return sink(MidiEvent{.kind = Kind::kLevel,
                                 .channel = note.name.channel,
                                 .key = key,
-                                .value = value});
+                                .value = note.volume * note.expression});
+        case NoteExpression::kPan:
+          return sink(MidiEvent{
+              .kind = Kind::kPan, .channel = note.name.channel, .key = key, .value = held(0.0, value, {-1, 1})});
         case NoteExpression::kPressure:
         case NoteExpression::kBrightness:
           const bool is_pressure = expression == NoteExpression::kPressure;
-          return sink(MidiEvent{.kind = is_pressure ? Kind::kPressure : Kind::kController,
+          return sink(MidiEvent{.kind = is_pressure ? Kind::kKeyPressure : Kind::kKeyController,
                                 .channel = note.name.channel,
-                                .key = note.name.key,
+                                .key = key,
                                 .number = is_pressure ? 0 : kBrightnessController,
-                                .value = std::clamp(value, 0.0, 1.0),
-                                .is_alone = true});
+                                .value = std::clamp(value, 0.0, 1.0)});
       }
     });
   }
@@ -203,6 +213,7 @@ class MidiInterpreter {
     NoteName name;          // of the note
     double own_cents = 0;   // beside the bend of the channel
     double bent_cents = 0;  // by the host that names the note
+    double volume = 1, expression = 1;
   };
 
   [[nodiscard]] MidiChannel& at(int channel) { return channels_[static_cast<std::size_t>(channel)]; }
@@ -228,8 +239,9 @@ class MidiInterpreter {
       case 0x90:
         return second == 0 ? note_off(channel, first, kHalf, sink) : note_on(channel, first, second, sink);
       case 0xa0:
-        return sink(MidiEvent{
-            .kind = Kind::kPressure, .channel = channel, .key = first, .value = second / 127.0, .is_alone = true});
+        return each({-1, channel, first}, [&](int key) {
+          sink(MidiEvent{.kind = Kind::kKeyPressure, .channel = channel, .key = key, .value = second / 127.0});
+        });
       case 0xb0:
         return controller(channel, first, second, sink);
       case 0xc0:
@@ -239,7 +251,7 @@ class MidiInterpreter {
         return sink(MidiEvent{.kind = Kind::kPressure,
                               .channel = channel,
                               .value = first / 127.0,
-                              .is_alone = master_of(channel) >= 0});
+                              .is_of_zone = master_of(channel) >= 0});
       default:
         at(channel).wheel = second << 7 | first;
         return tell_bends(sink);
@@ -369,7 +381,7 @@ class MidiInterpreter {
                    .channel = channel,
                    .number = number,
                    .value = value / 127.0,
-                   .is_alone = is_brightness && master_of(channel) >= 0});
+                   .is_of_zone = is_brightness && master_of(channel) >= 0});
   }
 
   [[nodiscard]] double position(std::size_t pedal) const {
@@ -425,6 +437,7 @@ class MidiInterpreter {
       end_notes(c, sink);
       at(c).bend_range = is_member ? 48 << 7 : settings_.bend_range;
       at(c).wheel = 0x2000;
+      at(c).pressure = at(c).brightness = MidiChannel::kUnsent;
     }
     tell_bends(sink);
   }
@@ -436,12 +449,12 @@ class MidiInterpreter {
     of.chosen = MidiChannel::kNone;
     of.is_registered = false;
     of.velocity_low = 0;
-    of.pressure = of.brightness = MidiChannel::kUnsent;
+    of.pressure = MidiChannel::kUnsent;  // the brightness stays (RP-015)
     for (const int number : kMidiPedals) pedal(channel, number, 0, sink);
     tell_controller(channel, 1, 0, sink);
     tell_controller(channel, 11, 127, sink);
     sink(MidiEvent{
-        .kind = Kind::kPressure, .channel = channel, .is_first = true, .is_alone = master_of(channel) >= 0});
+        .kind = Kind::kPressure, .channel = channel, .is_first = true, .is_of_zone = master_of(channel) >= 0});
     tell_bends(sink);
   }
 

@@ -206,8 +206,11 @@ class ModalBank {
   void retune(std::span<const Mode, Modes> modes) {
     for (const auto& [w, decay, mass] : modes)
       if (const double values[] = {w, decay, mass}; !all_finite(std::span<const double>(values))) return;
-    for (std::size_t begin = 0; begin < size(); begin += detail::RetunedModes::kMax)
-      retune_some(begin, (std::min)(size() - begin, detail::RetunedModes::kMax), modes.data() + begin);
+    if constexpr (Modes != std::dynamic_extent)
+      for (std::size_t i = 0; i < size(); ++i) retune_alone(i, modes[i]);
+    else
+      for (std::size_t begin = 0; begin < size(); begin += detail::RetunedModes::kMax)
+        retune_some(begin, (std::min)(size() - begin, detail::RetunedModes::kMax), modes.data() + begin);
   }
 
   /// Ends the sample: updates displacements and free increments.
@@ -353,6 +356,11 @@ class ModalBank {
       retuned.velocity_gain[k] = before.velocity_gain;
       retuned.displacement[k] = double(displacement_[i]);
       retuned.free_increment[k] = double(free_increment_[i]);
+    }
+    for (std::size_t k = count; k < detail::in_whole_lines<double>(count); ++k) {
+      retuned.angular_frequency_rad_per_s[k] = retuned.decay_per_s[k] = retuned.loss[k] = retuned.stiffness[k] = 0;
+      retuned.mass_kg[k] = retuned.velocity_gain[k] = 1;
+      retuned.displacement[k] = retuned.free_increment[k] = 0;
     }
     if (!are_kept) {
       for (std::size_t k = 0; k < count; ++k) retune_alone(begin + k, modes[k]);

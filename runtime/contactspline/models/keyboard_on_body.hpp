@@ -122,7 +122,7 @@ class KeyboardOnBody {
   void bend(std::size_t key, double cents) {
     if (key >= keys()) return;
     bridge_.key(key).cents = held(bridge_.key(key).cents, cents, {-1200, 1200});
-    follow_bend(bridge_.key(key));
+    if (bridge_.key(key).modes == 0) follow_bend(bridge_.key(key));  // else in steps
   }
 
   /// Brings everything to rest and lets all keys go; the pedals stay.
@@ -189,7 +189,7 @@ class KeyboardOnBody {
   static constexpr std::size_t kLine = Key::kLine;
   static constexpr ControlRange<double> kPedal{0, 1};
   static constexpr std::size_t kCheckInterval = 32;  // samples, after each of which one key is checked
-  static constexpr std::size_t kBendStep = 64;       // samples, after which strings follow their bends
+  static constexpr std::size_t kChecksOfBends = 2;   // after which strings that sound follow their bends
   static constexpr double kSilence_j = 1e-17;        // 130 dB below the blow of a C4 hammer at 0.4 m/s
   // What may leave, as a fraction of all energy: of a key that is damped, and of one that rings.
   static constexpr double kDampedFraction = 1e-7, kRingingFraction = 1e-12;
@@ -238,8 +238,10 @@ class KeyboardOnBody {
       clock_ = 0;
       for (const std::size_t key : bridge_.awake())
         bridge_.key(key).is_struck = bridge_.key(key).model.is_hammer_flying();
-      if (samples_ % kBendStep < kCheckInterval)
+      if (++checks_since_bends_ == kChecksOfBends) {
+        checks_since_bends_ = 0;
         for (Key& key : bridge_.keys()) follow_bend(key);
+      }
       check();
     }
   }
@@ -289,7 +291,7 @@ class KeyboardOnBody {
 
   double time_step_s_;
   detail::KeysOnBridge<T> bridge_;
-  std::size_t clock_ = 0, next_check_ = 0, failures_ = 0;
+  std::size_t clock_ = 0, next_check_ = 0, checks_since_bends_ = 0, failures_ = 0;
   std::uint64_t samples_ = 0;
   double sustain_ = 0, una_corda_ = 0, soft_ratio_ = 1;
   T hammer_mass_ratio_ = 1, knock_ratio_ = 1;

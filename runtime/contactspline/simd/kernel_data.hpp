@@ -151,7 +151,7 @@ struct ModeRow {
 inline constexpr std::size_t kRowsPerLine = 9;
 
 /// Some modes whose frequencies change between two samples, in double precision; names as in Mode and ModeConstants.
-/// What is behind the last one, to the end of the arrays, is any number.
+/// What is behind the last one, to the end of a cache line, is any number.
 struct RetunedModes {
   static constexpr std::size_t kMax = 64;
   using Array = double[kMax];
