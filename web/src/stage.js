@@ -434,7 +434,7 @@ export class Stage {
     for (let k = 0; k < count; ++k) {
       context.save();
       context.translate(0, (k - (count - 1) / 2) * kStringsApart * this.size);
-      this.strokeString(context, path, key);
+      this.strokeString(context, path, key, count > 1);
       context.restore();
     }
     const ends = [[box.left, -1], [box.right, 1]].filter(([, out]) => !(out > 0 && item.boards) && !this.isNeck(out));
@@ -443,14 +443,14 @@ export class Stage {
     if (finger !== null) this.drawFinger(context, box, finger, curve[Math.round(plucks.at * (curve.length - 1))]);
   }
 
-  // A path as a string: thicker the lower its key, the lowest with windings, with light on it. Wires of a drum are thin.
-  strokeString(context, path, key) {
+  // A path as a string: thicker the lower its key, the lowest with windings, with light on it but where it is one of several that move alike. Wires of a drum are thin.
+  strokeString(context, path, key, isPlain = false) {
     const size = this.discs.length > 0 ? 2 : key === null ? 5 : 3.5 + 0.07 * Math.max(0, 96 - key);
     const isWound = key !== null && key < kFirstPlain && this.discs.length === 0;
     context.save();
     Object.assign(context, { lineWidth: size, strokeStyle: isWound ? this.windings(context) : colour("blue"), lineJoin: "round" });
     context.stroke(path);
-    if (this.discs.length === 0) {
+    if (this.discs.length === 0 && !isPlain) {
       context.translate(0, -size / 5);
       Object.assign(context, { strokeStyle: "#ffffff", globalAlpha: 0.4, lineWidth: 1 });
       context.stroke(path);
