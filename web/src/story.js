@@ -283,10 +283,11 @@ export class Story {
   // Schelleng's diagram at the speed of now, one column after the other; another speed begins anew.
   async fillDiagram(bow, columns) {
     const { speed } = bow;
+    const number = (this.fillings = (this.fillings ?? 0) + 1);
     columns.length = 0;
     for (const place of kPlaces) {
-      const column = await this.background.ask("bowColumn", { speed, place });
-      if (speed !== bow.speed) return;
+      const column = await this.background.latest("bow column", "bowColumn", { speed, place });
+      if (!column || number !== this.fillings) return;
       columns.push(column);
       this.diagram.show(columns, bow);
     }
