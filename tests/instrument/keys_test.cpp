@@ -188,6 +188,55 @@ TEST(Voices, AreMixedAlone) {
   }
 }
 
+// A damping of a key that sounds follows with its time constant in steps of 16 samples, whatever the blocks. Another
+// key that takes the voice, and a rest, have that of all.
+TEST(Voices, GlideAloneToWhereTheyAreMoved) {
+  std::string text = zither(0, kPiano);
+  const std::string controls = R"("controls": [)";
+  text.replace(text.find(controls), controls.size(), controls + R"( { "name": "hand", "damping_per_s": "string" },)");
+  const InstrumentArrays arrays = arrays_of_text(text);
+  Keyed whole(arrays.view()), parts(arrays.view());
+  const auto parameters = whole.parameters();
+  const auto hand = static_cast<std::size_t>(
+      std::ranges::find(parameters, std::string_view("hand_damping_per_s"), &Parameter::name) - parameters.begin());
+  ASSERT_LT(hand, parameters.size());
+  const double glide_s = parameters[hand].glide_s;
+  ASSERT_GT(glide_s, 0);
+  Sound sound, in_parts;
+  for (Keyed* instrument : {&whole, &parts}) {
+    instrument->prepare(kRate);
+    instrument->note_on(60, 0.7);
+    (void)played(*instrument, 500);
+    instrument->move_key(60, hand, 100);
+    EXPECT_EQ(instrument->voice(0).value(hand), 0) << "not yet";
+  }
+  sound = played(whole, 1600);
+  for (std::size_t done = 0, length = 1; done < 1600; done += length, length = done % 37 + 1) {
+    length = std::min<std::size_t>(length, 1600 - done);
+    const Sound part = played(parts, length);
+    for (std::size_t i = 0; i < 2; ++i) in_parts[i].insert(in_parts[i].end(), part[i].begin(), part[i].end());
+    const double steps = std::ceil(static_cast<double>(done + length) / 16);
+    EXPECT_NEAR(parts.voice(0).value(hand), 100 * -std::expm1(-16 * steps / (glide_s * kRate)), 1e-9) << done;
+  }
+  EXPECT_EQ(in_parts, sound);
+  EXPECT_EQ(whole.value(hand), 0);
+  EXPECT_EQ(whole.voice(1).value(hand), 0);
+  (void)played(whole, static_cast<std::size_t>(60 * glide_s * kRate));
+  EXPECT_EQ(whole.voice(0).value(hand), 100) << "it arrives";
+
+  whole.note_off(60);
+  whole.note_on(64, 0.7);
+  whole.note_on(67, 0.7);  // on the voice of the first key, which still sounds
+  (void)played(whole, static_cast<std::size_t>(60 * glide_s * kRate));
+  EXPECT_EQ(whole.voice(0).value(hand), 0);
+  whole.move_key(67, hand, 50);
+  whole.reset();
+  EXPECT_EQ(whole.voice(0).value(hand), 0);
+  whole.prepare(2 * kRate);
+  whole.note_on(67, 0.7);
+  EXPECT_EQ(whole.voice(0).value(hand), 50) << "at rest it jumps";
+}
+
 // The voice of a key that is struck again is its own; a new key takes the voice that was released first.
 TEST(Voices, AreTakenInOrder) {
   const InstrumentArrays arrays = arrays_of_text(zither(0, kPiano));
