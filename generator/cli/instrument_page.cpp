@@ -35,6 +35,7 @@ std::string stretch_row(const InstrumentBody& body, std::size_t modes) {
   double kept = 0;
   if (const auto* plate = std::get_if<Plate>(&body.resonator.body)) {
     kept = kept_of_stretching(*plate, body.edges, lowest, count);
+    count = form_count(*plate, body.edges, modes, count);
   } else {
     const auto& round = std::get<RoundPlate>(body.resonator.body);
     count = form_count(round, count);

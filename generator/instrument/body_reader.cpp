@@ -108,7 +108,7 @@ class BodyReader {
     } else if (const auto* plate = std::get_if<Plate>(&read.resonator.body)) {
       const JsonObject stretch = object({"airy_functions", "edges"}, R"({ "airy_functions": 20, "edges": "free" })");
       check_stretching_plate(body, *plate);
-      if (is_second_of(stretch, "edges", "free", "fixed", "are no edges")) read.edges = PlateEdges::kFixed;
+      if (read_word(stretch, "edges", "free", "fixed") == "fixed") read.edges = PlateEdges::kFixed;
       read_airy_functions(body, stretch, kMaxRectangularModes, read);
     } else if (std::holds_alternative<RoundPlate>(read.resonator.body)) {
       read_airy_functions(body, object({"airy_functions"}, R"({ "airy_functions": 20 })"), kMaxRoundModes, read);

@@ -6,12 +6,12 @@
 
 namespace contactspline {
 
-void round_terms(StretchForm& form) {
+void round_terms(StretchForm& form, int digits) {
   double largest = 0;
   for (const double square : form.squares_per_m2) largest = std::max(largest, std::abs(square));
   for (const auto& product : form.products) largest = std::max(largest, std::abs(product.factor_per_m2));
   if (largest == 0) return;
-  const double step = std::pow(10.0, std::floor(std::log10(largest)) - 10);
+  const double step = std::pow(10.0, std::floor(std::log10(largest)) + 1 - digits);
   for (double& square : form.squares_per_m2) square = std::round(square / step) * step;
   for (auto& product : form.products) product.factor_per_m2 = std::round(product.factor_per_m2 / step) * step;
   std::erase_if(form.products, [](const auto& product) { return product.factor_per_m2 == 0; });

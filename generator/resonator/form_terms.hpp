@@ -9,8 +9,9 @@
 
 namespace contactspline {
 
-/// Rounds the terms of a form to eleven digits of the largest, which all machines find: small ones are what cancels.
-void round_terms(StretchForm& form);
+/// Rounds the terms of a form to so many digits of the largest: what should cancel is 0, and no product. Machines
+/// whose rounding differs may find a last digit that differs by one.
+void round_terms(StretchForm& form, int digits);
 
 /// The least share that the first `count` forms hold of the energy by which one mode alone stretches; 0 to 1.
 [[nodiscard]] double least_share(std::span<const StretchForm> forms, std::size_t count);

@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <boost/math/special_functions/bessel.hpp>
 #include <cmath>
+#include <cstddef>
 #include <cstdlib>
 #include <numbers>
+#include <span>
+#include <utility>
 
 #include "generator/resonator/form_terms.hpp"
 
@@ -17,9 +20,12 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using std::numbers::pi;
 
-// Integrals of P(x, y) cos(n pi x/length) cos(m pi y/width) over a plate, in row n and column m, for a P with an
-// integral of (laplacian P)^2 of 1 m^2 for each m^2 of the plate.
+// Integrals of P(x, y) cos(n pi x/length) cos(m pi y/width) over a plate, in row n and column m, for a P whose
+// integral of (laplacian P)^2 is the area of the plate.
 using AiryFunction = MatrixXd;
+
+// What free edges leave differs by rounding from machine to machine by up to 3e-10 of the largest term of a form.
+constexpr int kRitzDigits = 9, kClosedFormDigits = 11;
 
 struct Size {
   double length, width;
@@ -83,8 +89,28 @@ MatrixXd kronecker(const MatrixXd& a, const MatrixXd& b) {
 
 struct RankedFunction {
   double inverse_square;  // 1/zeta^4
+  std::size_t number;     // among those of equal zeta
   AiryFunction function;
 };
+
+// By falling 1/zeta^4. Those that differ by rounding only get the same, and stand by their numbers.
+template <typename Ranked>
+void rank(std::vector<Ranked>& functions) {
+  constexpr double kAlike = 1e-9;
+  std::ranges::sort(functions, std::ranges::greater(), &Ranked::inverse_square);
+  for (std::size_t i = 1; i < functions.size(); ++i)
+    if (const double last = functions[i - 1].inverse_square; functions[i].inverse_square > (1 - kAlike) * last)
+      functions[i].inverse_square = last;
+  std::ranges::sort(functions, {}, [](const Ranked& f) { return std::pair(-f.inverse_square, f.number); });
+}
+
+// Keeps at most `count`, without a part of those of equal zeta at the end.
+template <typename Ranked>
+void keep_whole(std::vector<Ranked>& functions, std::size_t count) {
+  if (count >= functions.size()) return;
+  while (count > 0 && functions[count - 1].inverse_square == functions[count].inverse_square) --count;
+  functions.erase(functions.begin() + static_cast<std::ptrdiff_t>(count), functions.end());
+}
 
 // The clamped shapes of one symmetry.
 void add_clamped_shapes(std::vector<RankedFunction>& to, const Direction& x, const Direction& y, double area) {
@@ -95,15 +121,17 @@ void add_clamped_shapes(std::vector<RankedFunction>& to, const Direction& x, con
     const MatrixXd weights = std::sqrt(area) * Eigen::Map<const MatrixXd>(solver.eigenvectors().col(k).data(),
                                                                           y.values.rows(), x.values.rows());
     AiryFunction function = x.cosines.transpose() * weights.transpose() * y.cosines;
-    Index row = 0, column = 0;
-    function.cwiseAbs().maxCoeff(&row, &column);
-    to.push_back({solver.eigenvalues()[k], function * (function(row, column) < 0 ? -1 : 1)});
+    // The sign by the first of the large ones, as two may be equally large.
+    const double large = function.cwiseAbs().maxCoeff() / 2;
+    const std::span<const double> all(function.data(), static_cast<std::size_t>(function.size()));
+    const double first = *std::ranges::find_if(all, [&](double c) { return std::abs(c) > large; });
+    to.push_back({solver.eigenvalues()[k], to.size(), function * (first < 0 ? -1 : 1)});
   }
 }
 
-// The shapes of a clamped plate by falling 1/zeta^4, of a basis that resolves so many. By Weyl's law their highest
+// The `count` lowest shapes of a clamped plate, of a basis that resolves so many. By Weyl's law their highest
 // wavenumber is sqrt(4 pi count/area); polynomials of one symmetry need a degree of a half of the phase and some.
-std::vector<AiryFunction> of_free_edges(const Size& size, std::size_t resolved) {
+std::vector<AiryFunction> of_free_edges(const Size& size, std::size_t count, std::size_t resolved) {
   const double area = size.length * size.width, highest = std::sqrt(4 * pi * static_cast<double>(resolved) / area);
   const auto count_along = [&](double length) { return static_cast<Index>(0.33 * highest * length) + 6; };
   std::vector<RankedFunction> found;
@@ -111,32 +139,36 @@ std::vector<AiryFunction> of_free_edges(const Size& size, std::size_t resolved) 
     for (const int odd_y : {0, 1})
       add_clamped_shapes(found, Direction(2 + odd_x, count_along(size.length), size.length, size.along),
                          Direction(2 + odd_y, count_along(size.width), size.width, size.across), area);
-  std::ranges::stable_sort(found, std::ranges::greater(), &RankedFunction::inverse_square);
+  rank(found);
+  keep_whole(found, count);
   std::vector<AiryFunction> functions;
   for (RankedFunction& ranked : found) functions.push_back(std::move(ranked.function));
   return functions;
 }
 
-// The products of cosines, of which these modes need no higher ones, by rising zeta.
+// The `count` lowest products of cosines, of which these modes need no higher ones.
 std::vector<AiryFunction> of_fixed_edges(const Size& size, std::size_t count) {
   struct Cosines {
+    double inverse_square;  // 1/zeta^4
+    std::size_t number;
     Index along, across;
-    double square;  // zeta^2
+  };
+  const auto square_of = [&](Index i, Index j) {  // zeta^2
+    return std::pow(static_cast<double>(i) * pi / size.length, 2) +
+           std::pow(static_cast<double>(j) * pi / size.width, 2);
   };
   std::vector<Cosines> lowest;
   for (Index i = 0; i < size.along; ++i)
     for (Index j = i == 0 ? 1 : 0; j < size.across; ++j)
-      lowest.push_back({i, j,
-                        std::pow(static_cast<double>(i) * pi / size.length, 2) +
-                            std::pow(static_cast<double>(j) * pi / size.width, 2)});
-  std::ranges::stable_sort(lowest, {}, &Cosines::square);
-  lowest.resize(std::min(count, lowest.size()));
+      lowest.push_back({std::pow(square_of(i, j), -2), lowest.size(), i, j});
+  rank(lowest);
+  keep_whole(lowest, count);
   std::vector<AiryFunction> functions;
   const double area = size.length * size.width;
-  for (const auto& [i, j, square] : lowest) {
+  for (const auto& [inverse_square, number, i, j] : lowest) {
     const double mean = (i == 0 ? 1 : 0.5) * (j == 0 ? 1 : 0.5);  // of P^2
     AiryFunction& function = functions.emplace_back(AiryFunction::Zero(size.along, size.across));
-    function(i, j) = area * std::sqrt(mean) / square;
+    function(i, j) = area * std::sqrt(mean) / square_of(i, j);
   }
   return functions;
 }
@@ -152,6 +184,8 @@ double coupling(const AiryFunction& function, const Size& size, const PlateSine&
   return (fx * fx * gy * gy + fy * fy * gx * gx) * (alike - other) / 4 - 2 * fx * fy * gx * gy * (alike + other) / 4;
 }
 
+constexpr std::size_t kEvenTensions = 2;
+
 // The two even tensions between fixed edges, of e = mean of (w_x^2 + w_y^2)/2 and of the difference of the two.
 std::vector<StretchForm> of_even_tensions(const Plate& plate, std::span<const PlateSine> modes) {
   const double stiffness = plate.youngs_modulus_pa * plate.thickness_m * plate.length_m * plate.width_m / 64;
@@ -166,7 +200,7 @@ std::vector<StretchForm> of_even_tensions(const Plate& plate, std::span<const Pl
 }
 
 StretchForm form_of(const AiryFunction& function, const Size& size, double stiffness_j,
-                    std::span<const PlateSine> modes) {
+                    std::span<const PlateSine> modes, int digits) {
   const double area = size.length * size.width;
   StretchForm form{stiffness_j, {}};
   for (std::size_t p = 0; p < modes.size(); ++p) {
@@ -175,27 +209,35 @@ StretchForm form_of(const AiryFunction& function, const Size& size, double stiff
       if (const double product = coupling(function, size, modes[p], modes[q]); product != 0)
         form.products.push_back({q, p, product / area});
   }
-  round_terms(form);
+  round_terms(form, digits);
   return form;
 }
 
-std::vector<StretchForm> forms_of(const Plate& plate, PlateEdges edges, std::span<const PlateSine> modes,
-                                  std::size_t count, std::size_t resolved) {
+Size size_of(const Plate& plate, std::span<const PlateSine> modes) {
   Size size{plate.length_m, plate.width_m, 0, 0};
   for (const auto& [along, across] : modes) {
     size.along = std::max<Index>(size.along, 2 * along + 1);
     size.across = std::max<Index>(size.across, 2 * across + 1);
   }
+  return size;
+}
+
+// Those that `count` forms have beside the even tensions.
+std::vector<AiryFunction> functions_of(const Size& size, PlateEdges edges, std::size_t count, std::size_t resolved) {
+  if (edges == PlateEdges::kFree) return of_free_edges(size, count, resolved);
+  return of_fixed_edges(size, count - std::min(count, kEvenTensions));
+}
+
+std::vector<StretchForm> forms_of(const Plate& plate, PlateEdges edges, std::span<const PlateSine> modes,
+                                  std::size_t count, std::size_t resolved) {
+  const Size size = size_of(plate, modes);
+  const int digits = edges == PlateEdges::kFixed ? kClosedFormDigits : kRitzDigits;
   std::vector<StretchForm> forms;
   if (edges == PlateEdges::kFixed) forms = of_even_tensions(plate, modes);
-  const std::vector<AiryFunction> functions =
-      edges == PlateEdges::kFixed ? of_fixed_edges(size, count) : of_free_edges(size, resolved);
-  const double stiffness = plate.youngs_modulus_pa * plate.thickness_m * size.length * size.width / 2;
-  for (const AiryFunction& function : functions) {
-    if (forms.size() >= count) break;
-    forms.push_back(form_of(function, size, stiffness, modes));
-  }
   if (forms.size() > count) forms.resize(count);
+  const double stiffness = plate.youngs_modulus_pa * plate.thickness_m * size.length * size.width / 2;
+  for (const AiryFunction& function : functions_of(size, edges, count, resolved))
+    forms.push_back(form_of(function, size, stiffness, modes, digits));
   return forms;
 }
 
@@ -219,10 +261,15 @@ std::vector<StretchForm> stretch_forms(const Plate& plate, PlateEdges edges, std
   return forms_of(plate, edges, modes, count, count);
 }
 
+std::size_t form_count(const Plate& plate, PlateEdges edges, std::size_t modes, std::size_t count) {
+  const std::size_t tensions = edges == PlateEdges::kFixed ? std::min(count, kEvenTensions) : 0;
+  return tensions + functions_of(size_of(plate, lowest_modes(plate, modes)), edges, count, count).size();
+}
+
 double kept_of_stretching(const Plate& plate, PlateEdges edges, std::size_t modes, std::size_t count) {
   constexpr std::size_t kAll = 4000, kResolved = 100;
   const auto forms = forms_of(plate, edges, lowest_modes(plate, modes), kAll, std::max(kResolved, count));
-  return least_share(forms, count);
+  return least_share(forms, form_count(plate, edges, modes, count));
 }
 
 }  // namespace contactspline

@@ -187,8 +187,8 @@ RoundPlate read_round_plate(const JsonObject& body) {
                    read_losses(body)};
   if (const double critical = frequency_at(plate, plate.radius_m); !(plate.losses.quadratic_m2_per_s < critical))
     refuse_critical_loss(body, plate.losses, critical);
-  if (is_second_of(body, "rim", "free", "clamped", "is no rim")) plate.rim = PlateRim::kClamped;
-  plate.has_both_symmetries = is_second_of(body, "symmetries", "one", "both", "are no symmetries");
+  if (read_word(body, "rim", "free", "clamped") == "clamped") plate.rim = PlateRim::kClamped;
+  plate.has_both_symmetries = read_word(body, "symmetries", "one", "both") == "both";
   return plate;
 }
 
@@ -273,13 +273,13 @@ Place read_place(const JsonObject& resonator, const char* name, const decltype(R
 
 }  // namespace
 
-bool is_second_of(const JsonObject& body, const char* key, std::string_view first, std::string_view second,
-                  std::string_view is_wrong) {
-  if (!body.has(key)) return false;
-  const std::string allowed = fmt::format("{} or {}", first, second), text = body.text(key, allowed);
-  if (text != first && text != second)
-    body.fail(body.key(key), fmt::format("'{}' {}", shown(text), is_wrong), allowed);
-  return text == second;
+std::string read_word(const JsonObject& object, const char* key, std::string_view first, std::string_view second) {
+  if (!object.has(key)) return std::string(first);
+  const std::string allowed = fmt::format("{} or {}", first, second);
+  std::string word = object.text(key, allowed);
+  if (word != first && word != second)
+    object.fail(object.key(key), fmt::format("'{}' is unknown", shown(word)), allowed);
+  return word;
 }
 
 decltype(Resonator::body) read_shaped_body(const JsonObject& object) {

@@ -2,6 +2,7 @@
 // Resonator files (docs/reference/resonators.md).
 #pragma once
 
+#include <string>
 #include <string_view>
 
 #include "generator/resonator/radiation.hpp"
@@ -17,10 +18,9 @@ namespace contactspline {
 /// Reads the body of an object that has one of the keys string, bar, membrane, plate, round_plate. Throws BadInput.
 [[nodiscard]] decltype(Resonator::body) read_shaped_body(const JsonObject& object);
 
-/// Reads a text that may be missing: is it the second of the two that are allowed? `is_wrong` says what another is,
-/// such as "is no rim". Throws BadInput.
-[[nodiscard]] bool is_second_of(const JsonObject& body, const char* key, std::string_view first,
-                                std::string_view second, std::string_view is_wrong);
+/// Reads one of two words, the first one where the key is missing. Throws BadInput.
+[[nodiscard]] std::string read_word(const JsonObject& object, const char* key, std::string_view first,
+                                    std::string_view second);
 
 /// Largest position on a body [m]: length or radius; 0 for a table of modes.
 [[nodiscard]] double extent_of(const decltype(Resonator::body)& body);

@@ -246,6 +246,7 @@ std::vector<StretchForm> stretch_forms(const RoundPlate& plate, std::span<const 
   const std::vector<Sampled> shapes = sampled(plate, modes, rule);
   const double square_m2 = plate.radius_m * plate.radius_m;
   // The integrals of P L(f, g) over the plate are those over the disc of radius 1 by R^2/R^4.
+  constexpr int kDigits = 11;
   std::vector<StretchForm> forms;
   for (const auto& [order, root, is_sine] : airy) {
     const RadialShape shape(PlateRim::kClamped, 0, order, root);
@@ -259,7 +260,7 @@ std::vector<StretchForm> stretch_forms(const RoundPlate& plate, std::span<const 
         if (const double product = coupling(function, shapes[p], shapes[q], rule); product != 0)
           form.products.push_back({q, p, product / square_m2});
     }
-    round_terms(form);
+    round_terms(form, kDigits);
   }
   return forms;
 }
@@ -272,8 +273,12 @@ double kept_of_stretching(const RoundPlate& plate, std::size_t modes, std::size_
   std::vector<RoundPlateMode> lowest;
   for (const Root& root : lowest_roots(plate.rim, plate.poisson_ratio, modes))
     lowest.push_back({root.order, root.root / plate.radius_m});
+  // Sines do nothing where a mode with a cosine moves alone.
+  RoundPlate with_cosines = plate;
+  with_cosines.has_both_symmetries = false;
   constexpr std::size_t kAll = 400;
-  return least_share(stretch_forms(plate, lowest, kAll), count);
+  const auto cosines = std::ranges::count(airy_functions(plate, count), false, &Root::is_sine);
+  return least_share(stretch_forms(with_cosines, lowest, kAll), static_cast<std::size_t>(cosines));
 }
 
 }  // namespace contactspline

@@ -67,8 +67,8 @@ struct RoundPlateMode {
 /// How many forms that makes.
 [[nodiscard]] std::size_t form_count(const RoundPlate& plate, std::size_t count);
 
-/// The least share of the energy by which one of the lowest `modes` modes alone stretches that the `count` lowest
-/// Airy functions hold, of what 400 hold; 0 to 1.
+/// The least share of the energy by which one of the lowest `modes` symmetric modes alone stretches that the `count`
+/// lowest Airy functions hold, of what 400 symmetric ones hold; 0 to 1. Those with sin(m angle) stretch as theirs do.
 [[nodiscard]] double kept_of_stretching(const RoundPlate& plate, std::size_t modes, std::size_t count);
 
 }  // namespace contactspline

@@ -255,5 +255,14 @@ TEST(RoundPlate, SaysHowMuchItsAiryFunctionsHold) {
   EXPECT_EQ(last, 1);
 }
 
+// With both symmetries 8 functions are 5 cosines and 3 sines, and 400 have half as many cosines as without.
+TEST(RoundPlate, HoldsWithBothSymmetriesWhatItsCosinesHold) {
+  const RoundPlate plate = plate_with(PlateRim::kFree);
+  RoundPlate both = plate;
+  both.has_both_symmetries = true;
+  EXPECT_EQ(kept_of_stretching(both, 10, 8), kept_of_stretching(plate, 10, 5));
+  EXPECT_LT(kept_of_stretching(both, 10, 400), 1);
+}
+
 }  // namespace
 }  // namespace contactspline::testing
