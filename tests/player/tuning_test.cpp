@@ -204,7 +204,7 @@ TEST(TunedMidi, TellsWhatIsHeld) {
   take({0x80, 60, 0});
   EXPECT_EQ(held(), (Keys{{64, 530}, {70, -20}}));
   take({0xb0, 123, 0});
-  midi.end({7, -1, -1}, 0, nothing);
+  midi.end({7, -1, -1}, 0, false, nothing);
   EXPECT_EQ(held(), Keys{});
 }
 
