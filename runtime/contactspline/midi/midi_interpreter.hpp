@@ -239,9 +239,7 @@ class MidiInterpreter {
       case 0x90:
         return second == 0 ? note_off(channel, first, kHalf, sink) : note_on(channel, first, second, sink);
       case 0xa0:
-        return each({-1, channel, first}, [&](int key) {
-          sink(MidiEvent{.kind = Kind::kKeyPressure, .channel = channel, .key = key, .value = second / 127.0});
-        });
+        return press_key(channel, first, second, sink);
       case 0xb0:
         return controller(channel, first, second, sink);
       case 0xc0:
@@ -256,6 +254,13 @@ class MidiInterpreter {
         at(channel).wheel = second << 7 | first;
         return tell_bends(sink);
     }
+  }
+
+  template <typename Sink>
+  void press_key(int channel, int key, int pressure, Sink& sink) {
+    each({-1, channel, key}, [&](int played) {
+      sink(MidiEvent{.kind = Kind::kKeyPressure, .channel = channel, .key = played, .value = pressure / 127.0});
+    });
   }
 
   template <typename Sink>
