@@ -122,7 +122,7 @@ class KeyboardOnBody {
   void bend(std::size_t key, double cents) {
     if (key >= keys()) return;
     bridge_.key(key).cents = held(bridge_.key(key).cents, cents, {-1200, 1200});
-    if (bridge_.key(key).modes == 0) follow_bend(bridge_.key(key));  // else in steps
+    follow_bend(bridge_.key(key));
   }
 
   /// Brings everything to rest and lets all keys go; the pedals stay.
@@ -189,7 +189,7 @@ class KeyboardOnBody {
   static constexpr std::size_t kLine = Key::kLine;
   static constexpr ControlRange<double> kPedal{0, 1};
   static constexpr std::size_t kCheckInterval = 32;  // samples, after each of which one key is checked
-  static constexpr std::size_t kChecksOfBends = 2;   // after which strings that sound follow their bends
+  static constexpr std::size_t kChecksOfBends = 2;   // after which strings follow what is left of their bends
   static constexpr double kSilence_j = 1e-17;        // 130 dB below the blow of a C4 hammer at 0.4 m/s
   // What may leave, as a fraction of all energy: of a key that is damped, and of one that rings.
   static constexpr double kDampedFraction = 1e-7, kRingingFraction = 1e-12;
