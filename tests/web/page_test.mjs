@@ -1998,6 +1998,8 @@ const measured = {
         await page.evaluate(() => contactSpline.page.story.answered);
         await page.waitForTimeout(1500); // it has scrolled
         const input = page.locator(`#chapter-${chapter} .control input`).first();
+        await input.scrollIntoViewIfNeeded(); // that of some chapters is below the screen
+        await page.waitForTimeout(300);
         const { x, y, width, height } = await input.boundingBox();
         await page.mouse.move(x + 0.3 * width, y + height / 2);
         await page.mouse.down();

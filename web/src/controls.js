@@ -31,6 +31,7 @@ export function slider({ label, unit = "", factor = 1, min, max, step = (max - m
   box.className = "control";
   const name = document.createElement("span");
   const shown = document.createElement("output");
+  const text = shown.appendChild(new Text()); // a text that changes costs less than a new one
   const input = document.createElement("input");
   input.type = "range";
   name.textContent = label;
@@ -44,8 +45,8 @@ export function slider({ label, unit = "", factor = 1, min, max, step = (max - m
   };
   let value = init;
   const show = () => {
-    shown.textContent = `${readable(factor * value)} ${unit}`.trim();
-    input.setAttribute("aria-valuetext", shown.textContent);
+    text.data = `${readable(factor * value)} ${unit}`.trim();
+    input.setAttribute("aria-valuetext", text.data);
   };
   const set = (to) => {
     value = Math.max(min, Math.min(max, to));

@@ -100,7 +100,7 @@ export class Stage {
    * times the energy is that of what is shown. moves(): something begins to move, frame() is to be called. */
   constructor(canvas, { play, time, speed }, { thrown, tell, energyOf, moves }) {
     Object.assign(this, { canvas, play, time, speed, thrown, tell, energyOf, moves, study: null, at: 0, isPlaying: false, last: null, pulled: null });
-    Object.assign(this, { isAwake: false, isInviting: true, isSeen: true, isKept: false, isDirty: false });
+    Object.assign(this, { isAwake: false, isInviting: true, isSeen: true, isKept: false, isDirty: false, givesWay: false, gaveWay: false });
     new IntersectionObserver((list) => {
       this.isSeen = list.at(-1).isIntersecting;
       if (this.isSeen) this.comeBack();
@@ -207,6 +207,11 @@ export class Stage {
     return this.study ? (this.frames - 1) / this.study.sampleRate : 0;
   }
 
+  /** Leaves the next frame of the screen to what else changes there, such as a slider, but never two in a row. */
+  giveWay() {
+    this.givesWay = !this.gaveWay;
+  }
+
   /** Moves on to the time of the screen [s] and draws, where it is in view. Returns whether it goes on. */
   frame(now) {
     const moves = this.study !== null && this.isPlaying && (this.isSeen || this.isKept);
@@ -215,8 +220,9 @@ export class Stage {
       this.last = now;
       if (this.at > this.length()) this.at = 0;
     }
-    if (moves || this.isDirty) this.draw();
-    return moves;
+    Object.assign(this, { gaveWay: this.givesWay, givesWay: false });
+    if ((moves || this.isDirty) && !this.gaveWay) this.draw();
+    return moves || this.isDirty;
   }
 
   // In view again.

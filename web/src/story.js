@@ -30,6 +30,7 @@ const plotOf = (article, x, y, lines, range) => linePlot(article.querySelector("
 // The line that says what a figure shows, at the end of a chapter.
 function noteOf(article) {
   const note = Object.assign(document.createElement("p"), { className: "note" });
+  note.append(""); // a text that changes costs less than a new one
   note.setAttribute("role", "status");
   article.querySelector(".live").append(note);
   return note;
@@ -115,7 +116,7 @@ export class Story {
   // to a task with the control's value, and returns that line.
   control(article, shape, task, change) {
     const ask = (value) => {
-      this.answered = this.background.latest(task, task, value).then((answer) => answer && (note.textContent = change(answer)));
+      this.answered = this.background.latest(task, task, value).then((answer) => answer && (note.firstChild.data = change(answer)));
     };
     const control = slider(shape, ask);
     article.querySelector(".live").append(control.box);
@@ -226,7 +227,7 @@ export class Story {
         plot.set(answer.data);
         this.glides = answer.told;
         const [soft, hard] = answer.told.map(({ begins, later }) => `${rounded(begins, 3)} Hz at the blow, ${rounded(later, 3)} Hz a third of a second later`);
-        told.textContent = `Lowest partial, softly: ${soft}. At ${rounded(speed, 2)} m/s: ${hard}.`;
+        told.firstChild.data = `Lowest partial, softly: ${soft}. At ${rounded(speed, 2)} m/s: ${hard}.`;
       });
     };
     const drawn = ({ values }) => compare(values[isSpeed.indexOf(true)]);
@@ -260,6 +261,7 @@ export class Story {
     };
     const controls = Object.fromEntries(Object.entries(shapes).map(([name, shape]) => [name, slider(shape, (value) => {
       bow[name] = value;
+      stage.giveWay();
       ask();
       if (name === "speed") fill();
     })]));
@@ -271,7 +273,7 @@ export class Story {
         if (!played) return;
         stage.show(studyOf(played));
         this.bowed = played.motion;
-        note.textContent = `At ${rounded(bow.speed, 2)} m/s, ${rounded(bow.force, 2)} N and ${rounded(bow.place, 2)} of the length from the bridge: ${kMotions[played.motion].told}.`;
+        note.firstChild.data = `At ${rounded(bow.speed, 2)} m/s, ${rounded(bow.force, 2)} N and ${rounded(bow.place, 2)} of the length from the bridge: ${kMotions[played.motion].told}.`;
       });
     };
     const fill = () => this.fillDiagram(bow, columns);
@@ -353,7 +355,7 @@ export class Story {
     const show = (played) => {
       stage.show(played);
       drawn({ ...played, values });
-      note.textContent = this.toldOfScene(stage, played);
+      note.firstChild.data = this.toldOfScene(stage, played);
     };
     const sound = () => {
       const changed = parameters.map(({ name }, p) => [name, values[p]]).filter(([, value], p) => value !== parameters[p].init);
@@ -373,6 +375,7 @@ export class Story {
     const { min, max } = parameters[number];
     const control = slider({ ...parameters[number], min: least ?? min, max: most ?? max }, (value) => {
       values[number] = value;
+      stage.giveWay();
       study();
     });
     live.append(control.box);
