@@ -867,6 +867,7 @@ not_run='
 ^contactspline render bell_score.json --instrument build/bell.so     in case_own_plugin
 ^cmake --install build/c |^cc -std=c99|^  -Wl,-rpath|^./first     in case_c
 ^g\+\+ .*contactspline-simd                    in case_kernels
+^cp index.html node_modules/contactspline         web.package does the same
 ^contactspline plugin tom                      half a minute, as the tutorial takes for its instrument
 arm-none-eabi|^for program|^  (read|echo|faust)|^ +(process|main\.c|-idirafter|-fno)|^done$   in case_microcontroller
 '
