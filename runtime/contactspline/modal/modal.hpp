@@ -183,6 +183,13 @@ class ModalBank {
   /// Change of each mode over the next sample if no force and no damper acts [m].
   [[nodiscard]] constexpr std::span<const T> free_increments() const { return {free_increment_.data(), size()}; }
 
+  /// Does a mode move, or is one displaced?
+  [[nodiscard]] bool moves() const {
+    for (std::size_t i = 0; i < size(); ++i)
+      if (displacement_[i] != 0 || free_increment_[i] != 0) return true;
+    return false;
+  }
+
   /// Displacement of a mode per static force [m/N].
   [[nodiscard]] double compliance(std::size_t mode) const {
     const detail::ModeConstants& constants = constants_[mode];
@@ -336,18 +343,20 @@ class ModalBank {
     return {mode.velocity_gain * one_minus_real - mode.decay_per_s, mode.velocity_gain};
   }
 
-  // Where a decay changes, or takes so much that 1 - loss has lost digits, each mode has exponential functions of its
-  // own; else a kernel retunes some together.
+  // A kernel retunes some together while they move. Where a decay changes, or takes so much that 1 - loss has lost
+  // digits, each mode has exponential functions of its own; and at rest, so that its constants are those of a new
+  // bank.
   void retune_some(std::size_t begin, std::size_t count, const Mode* modes) {
     constexpr double kMaxLoss = 0.5;
     detail::RetunedModes retuned;
     retuned.time_step_s = 1 / sample_rate_hz_;
     retuned.modes = count;
-    bool are_kept = true;
+    bool are_kept = true, do_move = false;
     for (std::size_t k = 0; k < count; ++k) {
       const std::size_t i = begin + k;
       const detail::ModeConstants& before = constants_[i];
       are_kept = are_kept && before.decay_per_s == modes[k].decay_per_s && before.loss < kMaxLoss;
+      do_move = do_move || displacement_[i] != 0 || free_increment_[i] != 0;
       retuned.angular_frequency_rad_per_s[k] = modes[k].angular_frequency_rad_per_s;
       retuned.decay_per_s[k] = modes[k].decay_per_s;
       retuned.mass_kg[k] = modes[k].mass_kg;
@@ -362,7 +371,7 @@ class ModalBank {
       retuned.mass_kg[k] = retuned.velocity_gain[k] = 1;
       retuned.displacement[k] = retuned.free_increment[k] = 0;
     }
-    if (!are_kept) {
+    if (!are_kept || !do_move) {
       for (std::size_t k = 0; k < count; ++k) retune_alone(begin + k, modes[k]);
       return;
     }

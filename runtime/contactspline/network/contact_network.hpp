@@ -102,9 +102,12 @@ class ContactNetwork {
   /// Changes frequencies and decays of a body between two samples, as ModalBank::retune. Rigid links keep their
   /// stiffness. Does not allocate.
   void retune(std::size_t body, std::span<const Mode> modes) {
-    parts_.bodies[body].bank.retune(modes);
+    ModalBank<T>& bank = parts_.bodies[body].bank;
+    const bool moves = bank.moves();
+    bank.retune(modes);
     parts_.bodies[body].take_motion();
-    admittances_.measure_frequencies(parts_, body);
+    // At rest all is as in a new network.
+    moves ? admittances_.measure_frequencies(parts_, body) : admittances_.measure(parts_, body);
     admittances_.measure_roots(parts_);
     is_coupling_old_ = true;
     place_all();
