@@ -250,6 +250,7 @@ class Voices {
  private:
   static constexpr std::size_t kBlock = 256, kLook = 1024, kMoveStep = 16;  // samples
   static constexpr double kMixGlide_s = 0.005;
+  static constexpr double kArrived = 1e-7;  // of a slider's way: the end of a glide
   static constexpr double kSilent_j = 1e-14;
   static constexpr std::size_t kKeys = 128, kPlayers = 1024;  // what plays a voice: a key, or an event without a key
 
@@ -375,8 +376,8 @@ class Voices {
       const double wanted = wanted_move(voice.player, p), now = voice.moved[p];
       if (wanted == now) continue;
       const double next = now + rates_[p] * (wanted - now);
-      // What the instrument's precision no longer shows ends the glide.
-      const bool arrives = static_cast<T>(values_[p] + next) == static_cast<T>(values_[p] + now);
+      const auto [low, high] = parameters()[p].slider;
+      const bool arrives = std::abs(wanted - next) <= kArrived * (high - low);
       move(voice, p, arrives ? wanted : next);
       voice.is_moving |= !arrives;
     }
@@ -507,12 +508,12 @@ class Voices {
   // The gains of a voice so many samples later.
   [[nodiscard]] Gains after(const Voice& voice, std::size_t samples) const {
     if (voice.gains == voice.wanted) return voice.wanted;
-    constexpr double kArrived = 1e-6;
+    constexpr double kNear = 1e-6;
     const double rest = std::pow(1 - mix_rate_, static_cast<double>(samples));
     Gains gains;
     for (double Gains::*gain : {&Gains::left, &Gains::right, &Gains::other}) {
       const double wanted = voice.wanted.*gain, far = rest * (voice.gains.*gain - wanted);
-      gains.*gain = std::abs(far) < kArrived ? wanted : wanted + far;
+      gains.*gain = std::abs(far) < kNear ? wanted : wanted + far;
     }
     return gains;
   }

@@ -246,7 +246,8 @@ HWY_INLINE void multiply_form_here(const FormBlocks<Sample>& matrix, const Sampl
   }
 }
 
-/// As portable::retune.
+/// As portable::retune, where vectors hold double precision.
+#if HWY_HAVE_FLOAT64
 HWY_INLINE void retune_here(RetunedModes& m) {
   const Tag<double> tag;
   const auto one = hn::Set(tag, 1.0), half = hn::Set(tag, 0.5), four = hn::Set(tag, 4.0);
@@ -278,6 +279,11 @@ HWY_INLINE void retune_here(RetunedModes& m) {
               m.free_increment + i);
   }
 }
+#else
+HWY_INLINE void retune_here(RetunedModes& modes) {
+  portable::retune(modes);
+}
+#endif
 
 /// A vector of a column, 0 in the lanes up to that of the diagonal.
 template <typename T>
