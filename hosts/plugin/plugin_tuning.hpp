@@ -23,6 +23,10 @@ class PluginTuning {
  public:
   static constexpr std::uint32_t kParameters = kTuningParameters.size();
 
+  PluginTuning() {
+    for (std::uint32_t p = 0; p < kParameters; ++p) values_[p] = kTuningParameters[p].initial;
+  }
+
   /// number: 0 to kParameters - 1.
   static void describe(std::uint32_t number, DISTRHO_NAMESPACE::Parameter& parameter) {
     using namespace DISTRHO_NAMESPACE;
@@ -90,7 +94,7 @@ class PluginTuning {
     return 1200 * std::log2(frequency_hz / 440) - 100 * (key - 69);
   }
 
-  std::array<std::atomic<float>, kParameters> values_ = {2.0f, 440.0f, 0.0f, 0.0f};
+  std::array<std::atomic<float>, kParameters> values_;
   std::atomic<bool> is_new_ = false, is_range_new_ = false, is_tuned_outside_ = false;
   std::optional<MtsClient> client_;
   bool was_tuned_ = false;

@@ -35,16 +35,6 @@ const std::vector<std::string>& instruments() {
   return names;
 }
 
-std::unique_ptr<Vst3Plugin> open_vst3(const std::string& name) {
-  auto plugin = open_plugin("vst3", name, kRate);
-  return std::unique_ptr<Vst3Plugin>(dynamic_cast<Vst3Plugin*>(plugin.release()));
-}
-
-std::unique_ptr<ClapPlugin> open_clap(const std::string& name) {
-  auto plugin = open_plugin("clap", name, kRate);
-  return std::unique_ptr<ClapPlugin>(dynamic_cast<ClapPlugin*>(plugin.release()));
-}
-
 // Hosts offer a MIDI track to instruments only, and small ones have no feature but the map of names.
 TEST(Lv2, IsAnInstrumentForEveryHost) {
   ASSERT_FALSE(instruments().empty());

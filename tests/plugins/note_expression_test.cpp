@@ -31,14 +31,6 @@ constexpr double kRate = 48000;
 constexpr std::array<std::uint8_t, 12> kTuned = {0xf0, 0x7f, 0x7f, 8,    2, 0,
                                                  1,    60,   60,   0x40, 0, 0xf7};  // key 60 by 50 cents
 
-std::unique_ptr<ClapPlugin> open_clap(const std::string& name) {
-  auto plugin = open_plugin("clap", name, kRate);
-  return std::unique_ptr<ClapPlugin>(dynamic_cast<ClapPlugin*>(plugin.release()));
-}
-std::unique_ptr<Vst3Plugin> open_vst3(const std::string& name) {
-  auto plugin = open_plugin("vst3", name, kRate);
-  return std::unique_ptr<Vst3Plugin>(dynamic_cast<Vst3Plugin*>(plugin.release()));
-}
 std::unique_ptr<Reference> reference(const std::string& name) {
   return Reference::makers().at(name)(kRate);
 }

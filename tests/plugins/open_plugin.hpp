@@ -27,6 +27,16 @@ inline std::unique_ptr<HostedPlugin> open_plugin(const std::string& format, cons
       folder / "vst3" / (plugin + ".vst3") / "Contents" / VST3_FOLDER / (plugin + ".so"), sample_rate_hz);
 }
 
+/// The same as the host of one format has them.
+inline std::unique_ptr<ClapPlugin> open_clap(const std::string& name, double sample_rate_hz = 48000) {
+  auto plugin = open_plugin("clap", name, sample_rate_hz);
+  return std::unique_ptr<ClapPlugin>(dynamic_cast<ClapPlugin*>(plugin.release()));
+}
+inline std::unique_ptr<Vst3Plugin> open_vst3(const std::string& name, double sample_rate_hz = 48000) {
+  auto plugin = open_plugin("vst3", name, sample_rate_hz);
+  return std::unique_ptr<Vst3Plugin>(dynamic_cast<Vst3Plugin*>(plugin.release()));
+}
+
 /// The name of an instrument and a format of its plug-in.
 struct InFormat {
   std::string format, name;

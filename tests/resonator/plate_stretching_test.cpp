@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "contactspline/modal/stretching_bank.hpp"
+#include "form_energy.hpp"
 #include "generator/resonator/quadrature.hpp"
 #include "support/compare.hpp"
 #include "support/measured.hpp"
@@ -58,17 +59,6 @@ void over_plate(const Plate& plate, Use use) {
   for (std::size_t i = 0; i < along.points.size(); ++i)
     for (std::size_t j = 0; j < across.points.size(); ++j)
       use(along.points[i], across.points[j], along.weights[i] * across.weights[j]);
-}
-
-double energy_of(const std::vector<StretchForm>& forms, const std::vector<double>& q) {
-  double energy = 0;
-  for (const auto& [stiffness, squares, products] : forms) {
-    double stretch = 0;
-    for (std::size_t i = 0; i < q.size(); ++i) stretch += squares[i] * q[i] * q[i];
-    for (const auto& [first, second, factor] : products) stretch += 2 * factor * q[first] * q[second];
-    energy += stiffness / 4 * stretch * stretch;
-  }
-  return energy;
 }
 
 // The least energy over the displacements in the plane, without stress functions: u = sum of sin(i pi x/length) cos(j

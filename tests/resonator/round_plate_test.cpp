@@ -10,6 +10,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "form_energy.hpp"
 #include "generator/resonator/quadrature.hpp"
 #include "generator/resonator/resonator.hpp"
 #include "support/compare.hpp"
@@ -171,17 +172,6 @@ double energy_by_polynomials(const Displacement& w, bool has_sines = false) {
   const Eigen::MatrixXd scaled = scale.asDiagonal() * stiffness * scale.asDiagonal();
   const Eigen::VectorXd right = scale.asDiagonal() * load;
   return kModulus * kThickness / 2 * right.dot(scaled.colPivHouseholderQr().solve(right));
-}
-
-double energy_of(const std::vector<StretchForm>& forms, const std::vector<double>& q) {
-  double energy = 0;
-  for (const auto& [stiffness, squares, products] : forms) {
-    double stretch = 0;
-    for (std::size_t i = 0; i < q.size(); ++i) stretch += squares[i] * q[i] * q[i];
-    for (const auto& [first, second, factor] : products) stretch += 2 * factor * q[first] * q[second];
-    energy += stiffness / 4 * stretch * stretch;
-  }
-  return energy;
 }
 
 // The differences are those of the curvatures, (h beta)^2/12 with h beta up to 2e-3, and the Airy functions above the

@@ -213,11 +213,13 @@ class ModalBank {
   void retune(std::span<const Mode, Modes> modes) {
     for (const auto& [w, decay, mass] : modes)
       if (const double values[] = {w, decay, mass}; !all_finite(std::span<const double>(values))) return;
-    if constexpr (Modes != std::dynamic_extent)
-      for (std::size_t i = 0; i < size(); ++i) retune_alone(i, modes[i]);
-    else
-      for (std::size_t begin = 0; begin < size(); begin += detail::RetunedModes::kMax)
-        retune_some(begin, (std::min)(size() - begin, detail::RetunedModes::kMax), modes.data() + begin);
+    if constexpr (Modes == std::dynamic_extent)
+      if (moves()) {
+        for (std::size_t begin = 0; begin < size(); begin += detail::RetunedModes::kMax)
+          retune_some(begin, (std::min)(size() - begin, detail::RetunedModes::kMax), modes.data() + begin);
+        return;
+      }
+    for (std::size_t i = 0; i < size(); ++i) retune_alone(i, modes[i]);
   }
 
   /// Ends the sample: updates displacements and free increments.
@@ -344,19 +346,18 @@ class ModalBank {
   }
 
   // A kernel retunes some together while they move. Where a decay changes, or takes so much that 1 - loss has lost
-  // digits, each mode has exponential functions of its own; and at rest, so that its constants are those of a new
-  // bank.
+  // digits, each mode has exponential functions of its own; and where all rest, so that its constants are those of a
+  // new bank.
   void retune_some(std::size_t begin, std::size_t count, const Mode* modes) {
     constexpr double kMaxLoss = 0.5;
     detail::RetunedModes retuned;
     retuned.time_step_s = 1 / sample_rate_hz_;
     retuned.modes = count;
-    bool are_kept = true, do_move = false;
+    bool are_kept = true;
     for (std::size_t k = 0; k < count; ++k) {
       const std::size_t i = begin + k;
       const detail::ModeConstants& before = constants_[i];
       are_kept = are_kept && before.decay_per_s == modes[k].decay_per_s && before.loss < kMaxLoss;
-      do_move = do_move || displacement_[i] != 0 || free_increment_[i] != 0;
       retuned.angular_frequency_rad_per_s[k] = modes[k].angular_frequency_rad_per_s;
       retuned.decay_per_s[k] = modes[k].decay_per_s;
       retuned.mass_kg[k] = modes[k].mass_kg;
@@ -371,7 +372,7 @@ class ModalBank {
       retuned.mass_kg[k] = retuned.velocity_gain[k] = 1;
       retuned.displacement[k] = retuned.free_increment[k] = 0;
     }
-    if (!are_kept || !do_move) {
+    if (!are_kept) {
       for (std::size_t k = 0; k < count; ++k) retune_alone(begin + k, modes[k]);
       return;
     }
