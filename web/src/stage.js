@@ -413,11 +413,16 @@ export class Stage {
     return curve[k] + (curve[k + 1] - curve[k]) * (p - k);
   }
 
-  // The displacements of an item, between two frames.
-  curve({ column, points }, i, part) {
+  // The displacements of an item, between two frames. Several things that are drawn ask for them.
+  curve(item, i, part) {
+    const { column, points } = item;
+    if (item.curveAt === i + part) return item.curve;
+    item.curve ??= new Float64Array(points);
     const now = this.study.points(i, column, points);
     const next = this.study.points(i + 1, column, points);
-    return Array.from(now, (y, p) => y + (next[p] - y) * part);
+    for (let p = 0; p < points; ++p) item.curve[p] = now[p] + (next[p] - now[p]) * part;
+    item.curveAt = i + part;
+    return item.curve;
   }
 
   drawString(context, box, item, curve, value) {
@@ -630,7 +635,7 @@ export class Stage {
   drawBar(context, box, curve) {
     const across = (p) => box.left + ((box.right - box.left) * p) / (curve.length - 1);
     const thick = 20 * this.size;
-    drawWoodenBar(context, curve.map((y, p) => [across(p), this.height(box, y)]), thick);
+    drawWoodenBar(context, Array.from(curve, (y, p) => [across(p), this.height(box, y)]), thick);
     for (const node of [0.224, 0.776]) {
       const x = box.left + node * (box.right - box.left);
       context.fillStyle = colour("paper");
@@ -824,13 +829,7 @@ export class Stage {
 
   // The points of a bridge near the end of the string, larger in both directions.
   drawBridge(context, box, i, part) {
-    const curve = this.curve(this.string, i, part);
     const end = this.bridge.at(-1).at * 1.4;
-    const at = (place) => {
-      const p = place * (curve.length - 1);
-      const k = Math.min(curve.length - 2, Math.floor(p));
-      return curve[k] + (curve[k + 1] - curve[k]) * (p - k);
-    };
     const reach = 4 * largest(this.bridge.map(({ height }) => height));
     const inset = { left: box.left + (box.right - box.left) * 0.42, right: box.right, top: box.top - 30, bottom: box.top + (box.bottom - box.top) * 0.36 };
     const inner = { ...inset, middle: inset.top + (inset.bottom - inset.top) * 0.42, unit: (Math.sign(box.unit) * (inset.bottom - inset.top) * 0.5) / reach };
@@ -853,7 +852,7 @@ export class Stage {
     context.lineTo(tops.at(-1)[0] + 14, inset.bottom);
     context.fill();
     const path = new Path2D();
-    for (let p = 0; p <= 60; ++p) path.lineTo(across((end * p) / 60), this.height(inner, at((end * p) / 60)));
+    for (let p = 0; p <= 60; ++p) path.lineTo(across((end * p) / 60), this.height(inner, this.stringAt((end * p) / 60, i, part)));
     this.strokeString(context, path, null);
     for (const [x, y, pushes] of tops) {
       context.fillStyle = colour(pushes ? "accent" : "soft");
