@@ -15,6 +15,7 @@
 #include "contactspline/instrument/sliders.hpp"
 #include "contactspline/step/contact.hpp"
 #include "generator/emit/emit_material.hpp"
+#include "generator/emit/faust_bodies.hpp"
 #include "generator/emit/faust_chain.hpp"
 #include "generator/support/number_literal.hpp"
 
@@ -27,36 +28,6 @@ constexpr std::size_t kMaxLinear = 8;  // springs and links
 constexpr std::size_t kMaxModes = 400;
 constexpr int kSteps = 5;  // contact steps of several contacts that act on each other; between them Newton steps
 
-// A number that may stand in a product or a sum. Faust takes "-1" for a unary minus only after an operator.
-std::string number(double value) {
-  return value < 0 ? fmt::format("(0.0 - {})", literal(-value)) : literal(value);
-}
-
-// A sum, term after term; empty for 0.
-class Sum {
- public:
-  Sum& add(const std::string& term, bool is_negative = false) {
-    if (term.empty()) return *this;
-    if (text_.empty() && is_negative) text_ = "0.0";
-    text_ += text_.empty() ? term : fmt::format(" {} {}", is_negative ? "-" : "+", term);
-    return *this;
-  }
-  [[nodiscard]] const std::string& text() const { return text_; }
-  [[nodiscard]] std::string or_zero() const { return text_.empty() ? "0.0" : text_; }
-
- private:
-  std::string text_;
-};
-
-std::string product(const std::string& a, const std::string& b) {
-  if (a.empty() || b.empty()) return "";
-  return a == "1.0" ? b : b == "1.0" ? a : fmt::format("{} * {}", a, b);
-}
-
-std::string kept(const std::string& expression) {
-  return expression.empty() ? "" : fmt::format("keep({})", expression);
-}
-
 std::string slider(std::size_t order, const ModelParameter& parameter) {
   const auto [min, max] = parameter.slider;
   return fmt::format("hslider(\"[{}]{}{}{}\", {}, {}, {}, {})", order, parameter.name,
@@ -66,12 +37,9 @@ std::string slider(std::size_t order, const ModelParameter& parameter) {
 }
 
 /// Writes an instrument, part after part.
-class Writer {
+class Writer : FaustBodies {
  public:
-  Writer(const InstrumentModel& model, const InstrumentArrays& arrays) : model_(model), arrays_(arrays) {
-    for (std::size_t k = 0; k < connections().size(); ++k)
-      (connections()[k].kind == ConnectionKind::kContact ? contacts_ : linear_).push_back(k);
-  }
+  Writer(const InstrumentModel& model, const InstrumentArrays& arrays) : FaustBodies(model, arrays) {}
 
   TemplateValues write() {
     write_sliders();
@@ -91,33 +59,10 @@ class Writer {
   }
 
  private:
-  [[nodiscard]] const std::vector<InstrumentConnection>& connections() const { return arrays_.connections; }
-  [[nodiscard]] std::span<const std::size_t> targets(std::size_t first, std::size_t count) const {
-    return std::span(arrays_.targets).subspan(first, count);
-  }
-
   // Their number, for a contact.
   [[nodiscard]] std::size_t memories_of(std::size_t k) const {
     return model_.tables[connections()[k].table].memories.size();
   }
-
-  // An input of the loop, computed outside.
-  void input(std::string name, std::string expression) {
-    inputs_.push_back(std::move(name));
-    input_expressions_.push_back(std::move(expression));
-  }
-
-  // The control of this quantity for a body, place or connection; none: the number of controls.
-  [[nodiscard]] std::size_t control_of(ControlQuantity quantity, std::size_t target) const {
-    for (std::size_t c = 0; c < arrays_.controls.size(); ++c) {
-      const InstrumentControl& control = arrays_.controls[c];
-      if (control.quantity == quantity &&
-          std::ranges::count(targets(control.first_target, control.count), target) != 0)
-        return c;
-    }
-    return arrays_.controls.size();
-  }
-  [[nodiscard]] bool is_control(std::size_t c) const { return c < arrays_.controls.size(); }
 
   void write_sliders() {
     const auto& parameters = model_.parameters;
@@ -156,7 +101,7 @@ class Writer {
     for (std::size_t p = 0; p < model_.plucks.size(); ++p)
       if (model_.plucks[p] == index)
         text = fmt::format("({}) + ci.pluck(release_{}, pluck_{}) : max({}) : min({})", text, p, p,
-                           number(parameter.allowed.min), number(parameter.allowed.max));
+                           faust_number(parameter.allowed.min), faust_number(parameter.allowed.max));
     return text;
   }
 
@@ -175,238 +120,6 @@ class Writer {
     }
   }
 
-  // The places at which forces act, of each body.
-  void list_places() {
-    places_.resize(model_.bodies.size());
-    const auto list = [&](std::size_t place) {
-      if (place == kGround) return;
-      auto& of_body = places_[arrays_.place_bodies[place]];
-      if (std::ranges::count(of_body, place) == 0) of_body.push_back(place);
-    };
-    for (const InstrumentConnection& connection : connections()) {
-      list(connection.first);
-      list(connection.second);
-    }
-    for (const InstrumentControl& control : arrays_.controls)
-      if (control.quantity == ControlQuantity::kForce)
-        for (const std::size_t place : targets(control.first_target, control.count)) list(place);
-    std::size_t begin = 0;
-    for (const std::size_t body : arrays_.place_bodies) {
-      first_shape_.push_back(begin);
-      begin += modes_of(body);
-    }
-  }
-
-  [[nodiscard]] std::size_t first_mode(std::size_t body) const { return body == 0 ? 0 : arrays_.body_ends[body - 1]; }
-  [[nodiscard]] std::size_t modes_of(std::size_t body) const { return arrays_.body_ends[body] - first_mode(body); }
-
-  // Gain and extra decay of a body's damper.
-  [[nodiscard]] std::string gain_of(std::size_t body) const {
-    const std::size_t c = control_of(ControlQuantity::kDamping, body);
-    return is_control(c) ? fmt::format("damper_gain_{}", c) : "1.0";
-  }
-  [[nodiscard]] std::string damping_of(std::size_t body) const {
-    const std::size_t c = control_of(ControlQuantity::kDamping, body);
-    return is_control(c) ? fmt::format("control_{}", c) : "0.0";
-  }
-
-  // Force of the last sample at a place.
-  [[nodiscard]] std::string force_at(std::size_t place) const {
-    Sum sum;
-    for (std::size_t k = 0; k < connections().size(); ++k) {
-      if (connections()[k].second == place) sum.add(name_at("last_force", k));
-      if (connections()[k].first == place) sum.add(name_at("last_force", k), true);
-    }
-    const std::size_t push = control_of(ControlQuantity::kForce, place);
-    if (is_control(push)) sum.add(fmt::format("control_{}'", push));
-    if (const double hold = hold_at(place); hold != 0) sum.add(fmt::format("({})'", number(hold)));
-    return sum.or_zero();
-  }
-
-  // What holds a place at rest [N].
-  [[nodiscard]] double hold_at(std::size_t place) const {
-    const auto hold = std::ranges::find(arrays_.holds, place, &HoldingForce::place);
-    return hold == arrays_.holds.end() ? 0 : hold->force_n;
-  }
-
-  void write_body(std::size_t body) {
-    const std::size_t c = control_of(ControlQuantity::kDamping, body);
-    const std::string gain = gain_of(body);
-    if (is_control(c) && std::ranges::count(inputs_, gain) == 0)
-      input(gain, fmt::format("cm.damping_gain(cm.dt * control_{})", c));
-    model_.bodies[body].is_mass ? write_mass(body) : write_bank(body);
-  }
-
-  void write_mass(std::size_t body) {
-    const double mass = arrays_.masses[first_mode(body)];
-    const std::size_t place =
-        static_cast<std::size_t>(std::ranges::find(arrays_.place_bodies, body) - arrays_.place_bodies.begin());
-    const auto strike = std::ranges::find(model_.strikes, body);
-    const auto s = strike - model_.strikes.begin();
-    const bool is_struck = strike != model_.strikes.end();
-    if (is_struck) {
-      input(fmt::format("is_thrown_{}", s), fmt::format("(strike_{0} > strike_{0}')", s));
-      input(fmt::format("throw_speed_{}", s), fmt::format("speed_{}", s));
-    }
-    for (const std::size_t q : places_[body])
-      input(fmt::format("place_admittance_{}_{}", q, q), fmt::format("cm.dt * cm.dt / {}", literal(2 * mass)));
-    const std::string moved = fmt::format("{}, {}, {}", literal(mass), force_at(place), gain_of(body));
-    chain_.add({fmt::format("place_increment_{}", place), fmt::format("jump_{}", body),
-                fmt::format("displacement_{}", body), fmt::format("velocity_{}", body)},
-               is_struck ? fmt::format("modal.struck_mass({}, is_thrown_{}, throw_speed_{}, {}, {})", moved, s, s,
-                                       pressed_at(body, &InstrumentConnection::first),
-                                       pressed_at(body, &InstrumentConnection::second))
-                         : fmt::format("modal.free_mass({})", moved));
-  }
-
-  // The largest compression beyond that at rest of the contacts that have an end at a body, before the sample [m].
-  [[nodiscard]] std::string pressed_at(std::size_t body, std::size_t InstrumentConnection::*end) {
-    std::string largest;
-    for (const std::size_t k : contacts_) {
-      const std::size_t place = connections()[k].*end;
-      if (place == kGround || arrays_.place_bodies[place] != body) continue;
-      const double initial = initial_gap(k);
-      std::string pressed = fmt::format("select2(cm.is_first, last_compression_{}, {})", k, number(-initial));
-      if (is_control(control_of(ControlQuantity::kGapShift, k))) {
-        input(name_at("rest", k), fmt::format("({} : ci.pressed_by_gap({}))", wanted_gap(k), number(initial)));
-        pressed += fmt::format(" - rest_{}", k);
-      } else if (initial < 0) {
-        pressed += fmt::format(" - {}", literal(-initial));
-      }
-      largest = largest.empty() ? pressed : fmt::format("max({}, {})", largest, pressed);
-    }
-    return largest.empty() ? "0.0 - 1.0e9" : largest;  // nothing stands in the way
-  }
-
-  // The shapes at a place, as rules that Faust finds quickly.
-  void write_shapes(std::size_t place) {
-    if (std::ranges::count(written_shapes_, place) != 0) return;
-    written_shapes_.push_back(place);
-    bodies_ += fmt::format("shape_{0}(mode) = shape_of_{0}(mode);\n", place);  // rules alone are no argument
-    for (std::size_t i = 0; i < modes_of(arrays_.place_bodies[place]); ++i)
-      bodies_ += fmt::format("shape_of_{}({}) = {};\n", place, i, literal(arrays_.shapes[first_shape_[place] + i]));
-  }
-
-  // What an output takes of a target: a pressure takes the velocity of its first and the displacement of its second.
-  static OutputQuantity motion_of(const InstrumentOutput& output, std::size_t target) {
-    if (output.quantity != OutputQuantity::kPressure) return output.quantity;
-    return target == output.first_target ? OutputQuantity::kVelocity : OutputQuantity::kDisplacement;
-  }
-
-  // What the outputs take from a body: targets with their quantity.
-  [[nodiscard]] std::vector<std::pair<std::size_t, OutputQuantity>> pickups_of(std::size_t body) const {
-    std::vector<std::pair<std::size_t, OutputQuantity>> pickups;
-    for (const InstrumentOutput& output : arrays_.sources)
-      if (output.quantity != OutputQuantity::kForce)
-        for (std::size_t t = output.first_target; t < output.first_target + output.count; ++t)
-          if (arrays_.place_bodies[arrays_.targets[t]] == body) pickups.emplace_back(t, motion_of(output, t));
-    return pickups;
-  }
-
-  void write_constants(std::size_t body) {
-    bodies_ += fmt::format("// {}: angular frequency, decay and modal mass; shapes at its places\n",
-                           model_.bodies[body].name);
-    const std::size_t begin = first_mode(body);
-    for (std::size_t i = 0; i < modes_of(body); ++i)
-      bodies_ +=
-          fmt::format("constants_{}({}) = {}, {}, {};\n", body, i, literal(arrays_.angular_frequencies[begin + i]),
-                      literal(arrays_.decays[begin + i]), literal(arrays_.masses[begin + i]));
-  }
-
-  void write_bank(std::size_t body) {
-    const std::size_t modes = modes_of(body);
-    const auto pickups = pickups_of(body);
-    const auto& places = places_[body];
-    if (places.empty() && pickups.empty()) return;  // a function of no output is no Faust
-    write_constants(body);
-    std::vector<std::string> forces, weighted, observed, signals, arguments;
-    for (std::size_t n = 0; n < places.size(); ++n) {
-      write_shapes(places[n]);
-      forces.push_back(fmt::format("force_{}", n));
-      weighted.push_back(fmt::format("force_{} * shape_{}(i)", n, places[n]));
-      observed.push_back(fmt::format("shape_{}(i) * increment", places[n]));
-      signals.push_back(fmt::format("place_increment_{}", places[n]));
-      arguments.push_back(force_at(places[n]));
-    }
-    for (const auto& [target, quantity] : pickups) {
-      const std::size_t place = arrays_.targets[target];
-      write_shapes(place);
-      observed.push_back(fmt::format("shape_{}(i) * {}", place,
-                                     quantity == OutputQuantity::kVelocity ? "velocity" : "displacement"));
-      signals.push_back(fmt::format("pickup_{}", target));
-    }
-    for (std::size_t m = 0; m < places.size(); ++m)
-      for (std::size_t n = m; n < places.size(); ++n) {
-        const auto [p, q] = std::minmax(places[m], places[n]);
-        observed.push_back(fmt::format("shape_{}(i) * shape_{}(i) * admittance", p, q));
-        signals.push_back(fmt::format("place_admittance_{}_{}", p, q));
-      }
-    if (modes == 0) {  // all of them are too fast: it does not move
-      for (const std::string& signal : signals) chain_.add(signal, "0.0");
-      return;
-    }
-    if (weighted.empty()) weighted.emplace_back("0.0");
-    const bool has_velocity =
-        std::ranges::any_of(pickups, [](const auto& pickup) { return pickup.second == OutputQuantity::kVelocity; });
-    bodies_ += fmt::format(
-        "body_{0}({1}{2}gain, damping) =\n  {3}{2}keep(2.0 * cm.dt * damping), keep((0.0 - 0.5) * gain)\n"
-        "  <: par(j, {4}, sixteen(j)) :> par(k, {5}, keep)\n"
-        "with {{\n"
-        "  sixteen(j) = par(k, {6}, _) <: par(i, min(16, {7} - 16 * j), one(16 * j + i)) :> par(k, {5}, keep);\n"
-        "  one(i{8}{1}, twice_damping, minus_half_gain) =\n"
-        "    {9}, twice_damping, minus_half_gain, constants_{0}(i), (constants_{0}(i) : modal.coefficients)\n"
-        "    : modal.bank_mode{11} : observe(i);\n"
-        "  observe(i, increment, displacement{12}, admittance) =\n    {10};\n}};\n",
-        body, fmt::join(forces, ", "), forces.empty() ? "" : ", ", scaled(forces), (modes + 15) / 16, signals.size(),
-        forces.size() + 2, modes, forces.empty() ? "" : ", ", fmt::join(weighted, " + "), fmt::join(observed, ", "),
-        has_velocity ? "_with_velocity" : "", has_velocity ? ", velocity" : "");
-    arguments.push_back(gain_of(body));
-    arguments.push_back(damping_of(body));
-    chain_.add(signals, fmt::format("body_{}({})", body, fmt::join(arguments, ", ")));
-  }
-
-  static std::string scaled(const std::vector<std::string>& forces) {
-    std::vector<std::string> scaled;
-    for (const std::string& force : forces) scaled.push_back(fmt::format("keep(gain' * {})", force));
-    return fmt::format("{}", fmt::join(scaled, ", "));
-  }
-
-  // Displacement over a sample at place p per newton at place q; empty for 0.
-  [[nodiscard]] std::string mutual(std::size_t p, std::size_t q) const {
-    if (p == kGround || q == kGround || arrays_.place_bodies[p] != arrays_.place_bodies[q]) return "";
-    return product(gain_of(arrays_.place_bodies[p]),
-                   fmt::format("place_admittance_{}_{}", std::min(p, q), std::max(p, q)));
-  }
-
-  // The same without dampers, between the ends of one connection.
-  [[nodiscard]] static std::string own_admittance(const InstrumentConnection& connection) {
-    Sum sum;
-    for (const std::size_t p : {connection.first, connection.second})
-      if (p != kGround) sum.add(fmt::format("place_admittance_{}_{}", p, p));
-    return sum.text();
-  }
-
-  // Increment of a place without connections.
-  [[nodiscard]] std::string increment_at(std::size_t place) const {
-    if (place == kGround) return "";
-    Sum sum;
-    sum.add(fmt::format("place_increment_{}", place));
-    for (const std::size_t q : places_[arrays_.place_bodies[place]]) {
-      const std::size_t push = control_of(ControlQuantity::kForce, q);
-      if (is_control(push)) sum.add(product(mutual(place, q), fmt::format("control_{}", push)));
-      if (const double hold = hold_at(q); hold != 0) sum.add(product(mutual(place, q), number(hold)));
-    }
-    return fmt::format("({})", sum.text());
-  }
-
-  // The mass that a place belongs to jumps to 0 when it is thrown.
-  [[nodiscard]] std::string jump_at(std::size_t place) const {
-    if (place == kGround || !model_.bodies[arrays_.place_bodies[place]].is_mass) return "";
-    return fmt::format("jump_{}", arrays_.place_bodies[place]);
-  }
-
-  [[nodiscard]] static std::string name_at(const char* name, std::size_t k) { return fmt::format("{}_{}", name, k); }
-
   [[nodiscard]] std::string& admittance(std::size_t k, std::size_t l) {
     return admittances_[std::min(k, l) * connections().size() + std::max(k, l)];
   }
@@ -420,15 +133,19 @@ class Writer {
     for (std::size_t k = 0; k < n; ++k) {
       const InstrumentConnection& connection = connections()[k];
       const double initial = write_gap(k);
-      Sum increment, compression;
+      FaustSum increment, compression;
       increment.add(increment_at(connection.first)).add(increment_at(connection.second), true);
-      if (is_control(control_of(ControlQuantity::kGapShift, k))) increment.add(name_at("lift", k));
-      compression.add(fmt::format("select2(cm.is_first, last_compression_{}, {})", k, number(-initial)));
+      if (is_control(control_of(ControlQuantity::kGapShift, k)))
+        increment.add(are_steps_double() ? fmt::format("lift_{0} + lift_{0}'", k) : name_at("lift", k));
+      compression.add(fmt::format("select2(cm.is_first, last_compression_{}, {})", k, faust_number(-initial)));
       compression.add(jump_at(connection.first)).add(jump_at(connection.second), true);
-      chain_.add(name_at("increment", k), kept(increment.text()));
-      chain_.add(name_at("compression", k), kept(compression.text()));
+      chain_.add(name_at("increment", k), faust_kept(increment.text()));
+      if (!is_form(k))
+        chain_.add(name_at(are_steps_double() ? "resting_compression" : "compression", k),
+                   faust_kept(compression.text()));
       for (std::size_t l = k; l < n; ++l) write_admittance(k, l);
     }
+    if (are_steps_double()) write_compressions_before();
     for (const std::size_t k : contacts_) write_memory(k);
     chain_.next();
     for (const std::size_t k : contacts_) write_surface(k);
@@ -438,6 +155,18 @@ class Writer {
     for (const std::size_t k : contacts_) write_designed_stiffness(k);
     chain_.next();
     for (const std::size_t k : contacts_) write_resistance(k);
+  }
+
+  // Over two samples what acts now has rested in the last sample: it begins where it ended before that.
+  void write_compressions_before() {
+    chain_.next();
+    for (std::size_t k = 0; k < arrays_.connections.size(); ++k) {
+      FaustSum before;
+      before.add(fmt::format("select2(cm.is_first, resting_compression_{}', {})", k, faust_number(-initial_gap(k))));
+      before.add(jump_at(connections()[k].first, "earlier_jump"));
+      before.add(jump_at(connections()[k].second, "earlier_jump"), true);
+      chain_.add(name_at("compression", k), faust_kept(before.text()));
+    }
   }
 
   // What a contact remembers of the samples before, and the sum of it: the line that its potential lacks.
@@ -490,15 +219,15 @@ class Writer {
   void write_designed_stiffness(std::size_t k) {
     if (memories_of(k) == 0) return;
     chain_.add(name_at("designed_stiffness", k),
-               kept(product(ratio_[k], fmt::format("steps.memory_stiffness({})", material_of(k)))));
+               faust_kept(faust_product(ratio_[k], fmt::format("steps.memory_stiffness({})", material_of(k)))));
     ratio_[k] = name_at("designed_stiffness", k);
   }
 
   // Energy of a contact for a stiffness ratio of 1.
-  [[nodiscard]] std::string contact_energy(std::size_t k) const {
-    if (memories_of(k) == 0) return fmt::format("ct.potential({}, compression_{})", material_of(k), k);
-    return fmt::format("({} : steps.memory_energy({}, {}, compression_{}))", remembered(k), material_of(k),
-                       acting_material(k), k);
+  [[nodiscard]] std::string contact_energy(std::size_t k, const std::string& compression) const {
+    if (memories_of(k) == 0) return fmt::format("ct.potential({}, {})", material_of(k), compression);
+    return fmt::format("({} : steps.memory_energy({}, {}, {}))", remembered(k), material_of(k), acting_material(k),
+                       compression);
   }
 
   // Gap that acts at the beginning [m].
@@ -506,32 +235,20 @@ class Writer {
     const std::size_t c = control_of(ControlQuantity::kGapShift, k);
     const double initial = initial_gap(k);
     if (is_control(c))
-      input(name_at("lift", k), fmt::format("({} : ci.follow_gap({}))", wanted_gap(k), number(initial)));
+      input(name_at("lift", k), fmt::format("({} : ci.follow_gap({}))", wanted_gap(k), faust_number(initial)));
     return initial;
-  }
-
-  [[nodiscard]] double initial_gap(std::size_t k) const {
-    const std::size_t c = control_of(ControlQuantity::kGapShift, k);
-    const auto [min, max] = gap_range<double>(connections()[k]);
-    return std::clamp(connections()[k].gap_m + (is_control(c) ? arrays_.parameters[c].initial : 0), min, max);
-  }
-
-  // The gap that a control wants.
-  [[nodiscard]] std::string wanted_gap(std::size_t k) const {
-    const auto [min, max] = gap_range<double>(connections()[k]);
-    return fmt::format("max({}, min({}, {} + control_{}))", number(min), number(max), number(connections()[k].gap_m),
-                       control_of(ControlQuantity::kGapShift, k));
   }
 
   void write_admittance(std::size_t k, std::size_t l) {
     const InstrumentConnection &a = connections()[k], &b = connections()[l];
-    Sum sum;
+    FaustSum sum;
     sum.add(mutual(a.first, b.first)).add(mutual(a.second, b.second));
     sum.add(mutual(a.first, b.second), true).add(mutual(a.second, b.first), true);
     if (sum.text().empty()) return;
     admittance(k, l) = fmt::format("admittance_{}_{}", k, l);
     // Of its own a connection has at least that of ContactNetwork, also where nothing moves.
-    chain_.add(admittance(k, l), k == l ? fmt::format("max(1.0e-18, {})", kept(sum.text())) : kept(sum.text()));
+    chain_.add(admittance(k, l),
+               k == l ? fmt::format("max(1.0e-18, {})", faust_kept(sum.text())) : faust_kept(sum.text()));
   }
 
   // The stiffness ratio of a contact or the stiffness of a spring that acts.
@@ -546,14 +263,25 @@ class Writer {
       ratio_[k] = literal(is_contact ? connection.weight : connection.stiffness_n_per_m);
     } else {
       const double weight = is_contact ? connection.weight : 1;
-      const std::string energy =
-          is_contact ? contact_energy(k) : fmt::format("compression_{0} * compression_{0} * 0.5", k);
+      const auto follow = [&](const char* name, const char* last, const std::string& energy) {
+        chain_.add(name_at(name, k),
+                   fmt::format("ci.follow_stiffness(select2(cm.is_first, {}_{}, {}), {} * control_{}, {})", last, k,
+                               literal(weight * arrays_.parameters[c].initial), literal(weight), c, energy));
+        states_.push_back(name_at(name, k));
+      };
+      const auto energy_at = [&](const std::string& compression) {
+        return is_contact ? contact_energy(k, compression) : fmt::format("{0} * {0} * 0.5", compression);
+      };
       ratio_[k] = name_at("stiffness", k);
-      states_.push_back(ratio_[k]);
-      chain_.add(ratio_[k],
-                 fmt::format("ci.follow_stiffness(select2(cm.is_first, last_stiffness_{}, {}), {} * control_{}, {})",
-                             k, literal(weight * arrays_.parameters[c].initial), literal(weight), c, energy));
-      state_inputs_.push_back(name_at("last_stiffness", k));
+      if (are_steps_double()) {  // what rests now acts in the next sample
+        follow("stiffness", "rested_stiffness", energy_at(name_at("compression", k)));
+        follow("resting_stiffness", "last_stiffness", energy_at(name_at("resting_compression", k)));
+        state_inputs_.push_back(name_at("last_stiffness", k));
+        state_inputs_.push_back(name_at("rested_stiffness", k));
+      } else {
+        follow("stiffness", "last_stiffness", energy_at(name_at("compression", k)));
+        state_inputs_.push_back(name_at("last_stiffness", k));
+      }
     }
   }
 
@@ -566,11 +294,13 @@ class Writer {
   void write_resistance(std::size_t k) {
     if (loss_of(k) == "0.0") return chain_.add(name_at("resistance", k), "0.0");
     std::string increment = fmt::format("last_compression_{0} - compression_{0}'", k);
+    if (are_steps_double()) increment = fmt::format("1'' * (compression_{0} - compression_{0}'')", k);
     for (std::size_t s = 0; s < model_.strikes.size(); ++s)
-      increment = fmt::format("select2(is_thrown_{}, {}, 0.0)", s, increment);
+      increment = fmt::format("select2(is_thrown_{}{}, {}, 0.0)", s,
+                              are_steps_double() ? fmt::format(" | is_thrown_{}'", s) : "", increment);
     chain_.add(name_at("resistance", k),
-               fmt::format("(compression_{0}, {1}, {2}, {3}, compression_{0} > 0.0 : steps.resistance({4}))", k,
-                           ratio_[k], loss_of(k), increment, acting_material(k)));
+               fmt::format("(compression_{0}, {1}, {2}{3}, {4}, compression_{0} > 0.0 : steps.resistance({5}))", k,
+                           ratio_[k], are_steps_double() ? "0.5 * " : "", loss_of(k), increment, acting_material(k)));
   }
 
   // Solves rows of names, the matrix and after it columns of the right side, by Gauss and Jordan. No pivot is sought:
@@ -596,7 +326,7 @@ class Writer {
         for (std::size_t c = j + 1; c < rows[i].size(); ++c)
           if (!rows[j][c].empty())
             rows[i][c] = set(fmt::format("reduced_row_{}_{}_{}", j, i, c),
-                             Sum().add(rows[i][c]).add(product(rows[i][j], rows[j][c]), true).text());
+                             FaustSum().add(rows[i][c]).add(faust_product(rows[i][j], rows[j][c]), true).text());
       }
       chain_.next();
     }
@@ -617,7 +347,7 @@ class Writer {
 
   // Adds a signal and returns its name.
   std::string set(std::string name, const std::string& expression) {
-    chain_.add(name, kept(expression));
+    chain_.add(name, faust_kept(expression));
     return name;
   }
 
@@ -634,23 +364,23 @@ class Writer {
       }
       const std::string resistance =
           is_control(c) ? fmt::format("control_{}", c) : literal(connections()[l].resistance_n_s_per_m);
-      slopes.push_back(
-          set(name_at("slope", l), fmt::format("0.5 * {} + {} * ct.sample_rate", ratio_[l], resistance)));
+      slopes.push_back(set(name_at("slope", l), fmt::format("0.5 * {} + {} * {}ct.sample_rate", ratio_[l], resistance,
+                                                            are_steps_double() ? "0.5 * " : "")));
     }
     chain_.next();
     std::vector<std::vector<std::string>> rows(n);
     for (std::size_t a = 0; a < n; ++a) {
       const std::size_t k = linear_[a];
       for (std::size_t b = 0; b < n; ++b) {
-        Sum sum;
+        FaustSum sum;
         if (a == b) sum.add("1.0");
-        sum.add(product(slopes[a], admittance(k, linear_[b])));
+        sum.add(faust_product(slopes[a], admittance(k, linear_[b])));
         rows[a].push_back(sum.text().empty() ? "" : set(fmt::format("matrix_{}_{}", a, b), sum.text()));
       }
       rows[a].push_back(set(name_at("right_side", a),
                             fmt::format("{} * compression_{} + {} * increment_{}", ratio_[k], k, slopes[a], k)));
       for (const std::size_t c : contacts_) {
-        const std::string coupling = product(slopes[a], admittance(k, c));
+        const std::string coupling = faust_product(slopes[a], admittance(k, c));
         rows[a].push_back(coupling.empty() ? "" : set(fmt::format("coupling_{}_{}", a, c), coupling));
       }
     }
@@ -664,19 +394,20 @@ class Writer {
     const std::size_t n = contacts_.size();
     reduced_.resize(n, std::vector<std::string>(n));
     for (std::size_t a = 0; a < n; ++a) {
-      Sum increment;
+      FaustSum increment;
       increment.add(name_at("increment", contacts_[a]));
       for (std::size_t l = 0; l < linear_.size(); ++l)
-        increment.add(product(admittance(contacts_[a], linear_[l]), linear_solution_[l][0]), true);
-      chain_.add(name_at("free_increment", a), kept(increment.text()));
+        increment.add(faust_product(admittance(contacts_[a], linear_[l]), linear_solution_[l][0]), true);
+      chain_.add(name_at("free_increment", a), faust_kept(increment.text()));
       for (std::size_t b = a; b < n; ++b) {
-        Sum sum;
+        FaustSum sum;
         sum.add(admittance(contacts_[a], contacts_[b]));
         for (std::size_t l = 0; l < linear_.size(); ++l)
-          sum.add(product(admittance(contacts_[a], linear_[l]), linear_solution_[l][1 + b]), true);
+          sum.add(faust_product(admittance(contacts_[a], linear_[l]), linear_solution_[l][1 + b]), true);
         if (sum.text().empty()) continue;
         reduced_[a][b] = reduced_[b][a] = fmt::format("contact_admittance_{}_{}", a, b);
-        chain_.add(reduced_[a][b], a == b ? fmt::format("max(1.0e-18, keep({}))", sum.text()) : kept(sum.text()));
+        chain_.add(reduced_[a][b],
+                   a == b ? fmt::format("max(1.0e-18, keep({}))", sum.text()) : faust_kept(sum.text()));
       }
     }
     chain_.next();
@@ -738,11 +469,11 @@ class Writer {
   void contact_steps(const std::vector<std::string>& forces) {
     const std::size_t n = contacts_.size();
     for (std::size_t a = 0; a < n; ++a) {
-      Sum alone;
+      FaustSum alone;
       alone.add(name_at("free_increment", a));
       for (std::size_t b = 0; b < n; ++b)
-        if (b != a) alone.add(product(reduced_[a][b], forces[b]), true);
-      chain_.add(name_at("given_increment", a), kept(alone.text()));
+        if (b != a) alone.add(faust_product(reduced_[a][b], forces[b]), true);
+      chain_.add(name_at("given_increment", a), faust_kept(alone.text()));
     }
     chain_.next();
     for (std::size_t a = 0; a < n; ++a) {
@@ -769,12 +500,12 @@ class Writer {
     std::vector<std::vector<std::string>> rows(n);
     for (std::size_t a = 0; a < n; ++a) {
       for (std::size_t b = 0; b < n; ++b) {
-        const std::string coupling = a == b ? "" : product(name_at("secant", a), reduced_[a][b]);
+        const std::string coupling = a == b ? "" : faust_product(name_at("secant", a), reduced_[a][b]);
         rows[a].push_back(a == b             ? "1.0"
                           : coupling.empty() ? ""
                                              : set(fmt::format("jacobian_{}_{}", a, b), coupling));
       }
-      Sum right;  // of which the forces are the solution where the contact steps return them
+      FaustSum right;  // of which the forces are the solution where the contact steps return them
       right.add(name_at("own_force", a));
       for (std::size_t b = 0; b < n; ++b)
         if (b != a && !reduced_[a][b].empty())
@@ -789,19 +520,19 @@ class Writer {
     std::vector<std::string> all(connections().size());
     for (std::size_t a = 0; a < contacts_.size(); ++a) all[contacts_[a]] = forces_[a];
     for (std::size_t l = 0; l < linear_.size(); ++l) {
-      Sum force;
+      FaustSum force;
       force.add(linear_solution_[l][0]);
       for (std::size_t a = 0; a < contacts_.size(); ++a)
-        force.add(product(linear_solution_[l][1 + a], forces_[a]), true);
+        force.add(faust_product(linear_solution_[l][1 + a], forces_[a]), true);
       all[linear_[l]] = set(name_at("spring_force", l), force.text());
     }
     chain_.next();
     std::vector<std::string> fed_back, results = all;
     for (std::size_t k = 0; k < all.size(); ++k) fed_back.push_back(name_at("last_force", k));
-    for (std::size_t k = 0; k < all.size(); ++k) {
-      Sum end;
+    for (std::size_t k = 0; k < arrays_.connections.size(); ++k) {
+      FaustSum end;
       end.add(name_at("compression", k)).add(name_at("increment", k));
-      for (std::size_t l = 0; l < all.size(); ++l) end.add(product(admittance(k, l), all[l]), true);
+      for (std::size_t l = 0; l < all.size(); ++l) end.add(faust_product(admittance(k, l), all[l]), true);
       results.push_back(set(name_at("end_compression", k), end.text()));
       fed_back.push_back(name_at("last_compression", k));
     }
@@ -836,7 +567,7 @@ class Writer {
   // Forces of the last sample, and motions at its end.
   std::string write_output(std::size_t o) {
     const InstrumentOutput& output = arrays_.sources[o];
-    Sum sum;
+    FaustSum sum;
     for (std::size_t t = output.first_target; t < output.first_target + output.count; ++t) {
       const std::size_t target = arrays_.targets[t];
       if (output.quantity == OutputQuantity::kForce) {
@@ -845,6 +576,7 @@ class Writer {
         sum.add(name_at(output.quantity == OutputQuantity::kVelocity ? "velocity" : "displacement", body));
       } else {
         sum.add(name_at("pickup", t));
+        if (are_steps_double()) add_stretch(output, t, sum);
       }
     }
     if (output.at_rest_n != 0) sum.add(fmt::format("({})'", literal(output.at_rest_n)), true);  // as the forces
@@ -853,7 +585,7 @@ class Writer {
   }
 
   // What forces add to a pressure.
-  void add_paths(std::size_t o, Sum& sum) {
+  void add_paths(std::size_t o, FaustSum& sum) {
     std::size_t first = 0;
     for (std::size_t path = 0; path < arrays_.pressure_paths.size(); ++path) {
       const auto [output, place, taps] = arrays_.pressure_paths[path];
@@ -862,25 +594,18 @@ class Writer {
       if (output != o || force == "0.0") continue;
       functions_ += fmt::format("tap_{0}(i) = tap_of_{0}(i);\n", path);  // rules alone are no argument
       for (std::size_t i = 0; i < taps; ++i)
-        functions_ += fmt::format("tap_of_{}({}) = {};\n", path, i, number(arrays_.pressure_taps[begin + i]));
+        functions_ += fmt::format("tap_of_{}({}) = {};\n", path, i, faust_number(arrays_.pressure_taps[begin + i]));
       sum.add(fmt::format("({} : ci.taps({}, {}, tap_{}))", force, taps, literal(arrays_.pressure_rate_hz), path));
     }
   }
 
-  const InstrumentModel& model_;
-  const InstrumentArrays& arrays_;
-  std::vector<std::size_t> contacts_, linear_;    // connections
-  std::vector<std::vector<std::size_t>> places_;  // of each body, at which forces act
-  std::vector<std::size_t> first_shape_, written_shapes_;
-  std::vector<std::string> inputs_, input_expressions_;  // of the loop
-  std::vector<std::string> states_, state_inputs_;       // stiffnesses that follow their controls
+  std::vector<std::string> states_, state_inputs_;  // stiffnesses that follow their controls
   std::vector<std::string> fed_back_memories_;
   std::vector<std::string> ratio_;        // stiffness of each connection
   std::vector<std::string> admittances_;  // of each pair of connections, first <= second
   std::vector<std::vector<std::string>> linear_solution_, reduced_;
   std::vector<std::string> forces_;  // of the contacts
-  std::string sliders_, materials_, bodies_, functions_;
-  FaustChain chain_;
+  std::string sliders_, materials_, functions_;
 };
 
 }  // namespace
@@ -910,8 +635,13 @@ std::optional<std::string> faust_obstacle(const InstrumentModel& model, const In
   for (const ConnectionGroup& group : model.connections)
     if (group.each.kind == ConnectionKind::kFriction)
       return fmt::format("{} has the friction {}, which only the C++ class plays", model.name, group.name);
-  if (const InstrumentBody* body = model.stretching_body())
-    return fmt::format("{} has the body {} with stretch, which only the C++ class plays", model.name, body->name);
+  if (const InstrumentBody* body = model.stretching_body()) {
+    if (body->airy_functions > 0)
+      return fmt::format("{} has the plate {} with stretch, which only the C++ class plays", model.name, body->name);
+    if (!arrays.memories.empty())
+      return fmt::format("{} has the body {} with stretch and a contact with memory, which only the C++ class plays",
+                         model.name, body->name);
+  }
   for (std::size_t c = 0; c < model.controls.size(); ++c)
     if (model.controls[c].quantity == ControlQuantity::kPlace || model.parameters[c].acts == Acts::kAtNextNote)
       return fmt::format("{} has the control {}, which only the C++ class plays", model.name,

@@ -9,6 +9,8 @@
 #include <set>
 #include <utility>
 
+#include "generator/support/number_literal.hpp"
+
 namespace contactspline {
 namespace {
 
@@ -28,6 +30,26 @@ std::set<std::string> identifiers_in(std::string_view expression) {
 }
 
 }  // namespace
+
+FaustSum& FaustSum::add(const std::string& term, bool is_negative) {
+  if (term.empty()) return *this;
+  if (text_.empty() && is_negative) text_ = "0.0";
+  text_ += text_.empty() ? term : fmt::format(" {} {}", is_negative ? "-" : "+", term);
+  return *this;
+}
+
+std::string faust_number(double value) {
+  return value < 0 ? fmt::format("(0.0 - {})", literal(-value)) : literal(value);
+}
+
+std::string faust_product(const std::string& a, const std::string& b) {
+  if (a.empty() || b.empty()) return "";
+  return a == "1.0" ? b : b == "1.0" ? a : fmt::format("{} * {}", a, b);
+}
+
+std::string faust_kept(const std::string& expression) {
+  return expression.empty() ? "" : fmt::format("keep({})", expression);
+}
 
 std::string faust_list(const std::vector<std::string>& items, std::string_view indent) {
   std::string text(indent);

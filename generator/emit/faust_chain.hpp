@@ -37,6 +37,24 @@ class FaustChain {
   std::vector<std::vector<Definition>> steps_{1};
 };
 
+/// A sum, term after term; empty for 0.
+class FaustSum {
+ public:
+  FaustSum& add(const std::string& term, bool is_negative = false);
+  [[nodiscard]] const std::string& text() const { return text_; }
+  [[nodiscard]] std::string or_zero() const { return text_.empty() ? "0.0" : text_; }
+
+ private:
+  std::string text_;
+};
+
+/// A number that may stand in a product or a sum. Faust takes "-1" for a unary minus only after an operator.
+[[nodiscard]] std::string faust_number(double value);
+/// A product, empty for 0.
+[[nodiscard]] std::string faust_product(const std::string& a, const std::string& b);
+/// An expression whose terms Faust keeps together; empty for 0.
+[[nodiscard]] std::string faust_kept(const std::string& expression);
+
 /// Names or expressions, separated by commas, wrapped at 110 columns and indented.
 [[nodiscard]] std::string faust_list(const std::vector<std::string>& items, std::string_view indent);
 

@@ -18,10 +18,11 @@ class RandomInstruments {
  public:
   using Materials = std::array<const char*, 4>;
 
-  /// materials: of the contacts.
+  /// materials: of the contacts. stretch: strings and membranes do.
   explicit RandomInstruments(unsigned seed,
-                             const Materials& materials = {"felt_c4", "mb1", "rubber_on_wood", "steel_on_steel"})
-      : random_(seed), materials_(materials) {}
+                             const Materials& materials = {"felt_c4", "mb1", "rubber_on_wood", "steel_on_steel"},
+                             bool stretch = false)
+      : random_(seed), materials_(materials), stretch_(stretch) {}
 
   [[nodiscard]] std::string next() {
     places_.clear();
@@ -86,6 +87,12 @@ class RandomInstruments {
            " }, \"max_modes\": " + text_of(integer(1, 12));
   }
 
+  std::string stretch(const std::string& size, const std::string& more) {
+    if (!stretch_) return "";
+    return ", \"stretch\": { \"youngs_modulus_pa\": " + text_of(number(1e8, 2e11, 1e6, 1e12)) + ", \"" + size +
+           "\": " + text_of(number(1e-4, 1e-3, 1e-5, 1e-2)) + more + " }";
+  }
+
   std::string body(int b) {
     const std::string name = "b" + std::to_string(b);
     const int kind = integer(0, 3), places = integer(1, 3);
@@ -110,14 +117,16 @@ class RandomInstruments {
       if (kind == 1)
         text = "\"string\": { " + size + text_of(number(1e-4, 0.1, 1e-5, 10)) +
                ", \"tension_n\": " + text_of(number(10, 1e3, 0.1, 1e5)) +
-               ", \"bending_stiffness_n_m2\": " + text_of(number(1e-6, 0.1, 0, 1)) + losses();
+               ", \"bending_stiffness_n_m2\": " + text_of(number(1e-6, 0.1, 0, 1)) + losses() +
+               stretch("core_diameter_m", "");
       if (kind == 2)
         text = "\"bar\": { " + size + text_of(number(1e-3, 1, 1e-4, 10)) +
                ", \"bending_stiffness_n_m2\": " + text_of(number(1e-3, 100, 1e-6, 1e4)) + losses();
       if (kind == 3)
         text = "\"membrane\": { \"radius_m\": " + text_of(length) +
                ", \"mass_per_area_kg_m2\": " + text_of(number(0.01, 10, 1e-3, 100)) +
-               ", \"tension_n_per_m\": " + text_of(number(10, 1e4, 1, 1e6)) + losses();
+               ", \"tension_n_per_m\": " + text_of(number(10, 1e4, 1, 1e6)) + losses() +
+               stretch("thickness_m", ", \"poisson_ratio\": 0.3");
       for (std::string& place : where) place = "\"position_m\": " + text_of(length * uniform(0.05, 0.95));
     }
     for (int p = 0; p < places; ++p) {
@@ -211,6 +220,7 @@ class RandomInstruments {
 
   std::mt19937_64 random_;
   Materials materials_;
+  bool stretch_;
   std::vector<PlaceOf> places_;
   std::vector<std::string> place_texts_;
   std::vector<Connection> connections_;

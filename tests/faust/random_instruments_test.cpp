@@ -323,6 +323,12 @@ TEST(RandomInstruments, RememberInFaustAsInTheClass) {
                    "random_instruments_with_memory");
 }
 
+// Strings and drum heads that stretch: all forces act over two samples.
+TEST(RandomInstruments, StretchInFaustAsInTheClass) {
+  const RandomInstruments random(3, {"felt_c4", "mb1", "rubber_on_wood", "steel_on_steel"}, true);
+  expect_agreement(random, is_full() ? 200 : 8, {}, "random_instruments_that_stretch");
+}
+
 // The program of a plate and a drum head before two ears, at the sample rate of its taps: a mass bounces between the
 // two, a force pushes at both.
 TEST(Pressure, SoundsInFaustAsInTheClass) {
