@@ -29,8 +29,7 @@ FaustBodies::FaustBodies(const InstrumentModel& model, const InstrumentArrays& a
 std::size_t FaustBodies::control_of(ControlQuantity quantity, std::size_t target) const {
   for (std::size_t c = 0; c < arrays_.controls.size(); ++c) {
     const InstrumentControl& control = arrays_.controls[c];
-    if (control.quantity == quantity &&
-        std::ranges::count(targets(control.first_target, control.count), target) != 0)
+    if (control.quantity == quantity && std::ranges::count(targets(control.first_target, control.count), target) != 0)
       return c;
   }
   return arrays_.controls.size();
@@ -71,14 +70,14 @@ double FaustBodies::initial_gap(std::size_t k) const {
 
 std::string FaustBodies::wanted_gap(std::size_t k) const {
   const auto [min, max] = gap_range<double>(connections()[k]);
-  return fmt::format("max({}, min({}, {} + control_{}))", faust_number(min), faust_number(max), faust_number(connections()[k].gap_m),
-                     control_of(ControlQuantity::kGapShift, k));
+  return fmt::format("max({}, min({}, {} + control_{}))", faust_number(min), faust_number(max),
+                     faust_number(connections()[k].gap_m), control_of(ControlQuantity::kGapShift, k));
 }
 
 std::string FaustBodies::mutual(std::size_t p, std::size_t q) const {
   if (p == kGround || q == kGround || place_bodies_[p] != place_bodies_[q]) return "";
   return faust_product(gain_of(place_bodies_[p]),
-                 fmt::format("place_admittance_{}_{}", std::min(p, q), std::max(p, q)));
+                       fmt::format("place_admittance_{}_{}", std::min(p, q), std::max(p, q)));
 }
 
 std::string FaustBodies::own_admittance(const InstrumentConnection& connection) {
@@ -136,7 +135,9 @@ void FaustBodies::write_body(std::size_t body) {
   const std::string gain = gain_of(body);
   if (is_control(c) && std::ranges::count(inputs_, gain) == 0)
     input(gain, fmt::format("cm.damping_gain(cm.dt * control_{})", c));
-  model_.bodies[body].is_mass ? write_mass(body) : are_steps_double() ? write_bank_of_two_samples(body) : write_bank(body);
+  model_.bodies[body].is_mass ? write_mass(body)
+  : are_steps_double()        ? write_bank_of_two_samples(body)
+                              : write_bank(body);
 }
 
 void FaustBodies::add_stretch(const InstrumentOutput& output, std::size_t target, FaustSum& sum) const {
@@ -164,7 +165,8 @@ void FaustBodies::write_mass(std::size_t body) {
     input(fmt::format("throw_speed_{}", s), fmt::format("speed_{}", s));
   }
   for (const std::size_t q : places_[body])
-    input(fmt::format("place_admittance_{}_{}", q, q), fmt::format("cm.dt * cm.dt / {}", literal(are_steps_double() ? mass : 2 * mass)));
+    input(fmt::format("place_admittance_{}_{}", q, q),
+          fmt::format("cm.dt * cm.dt / {}", literal(are_steps_double() ? mass : 2 * mass)));
   const std::string moved = fmt::format("{}, {}, {}", literal(mass), force_at(place), gain_of(body));
   std::vector<std::string> signals{fmt::format("place_increment_{}", place), fmt::format("jump_{}", body)};
   if (are_steps_double()) signals.push_back(fmt::format("earlier_jump_{}", body));
@@ -213,8 +215,8 @@ std::vector<std::pair<std::size_t, OutputQuantity>> FaustBodies::pickups_of(std:
 }
 
 void FaustBodies::write_constants(std::size_t body) {
-  bodies_ += fmt::format("// {}: angular frequency, decay and modal mass; shapes at its places\n",
-                         model_.bodies[body].name);
+  bodies_ +=
+      fmt::format("// {}: angular frequency, decay and modal mass; shapes at its places\n", model_.bodies[body].name);
   const std::size_t begin = first_mode(body);
   for (std::size_t i = 0; i < modes_of(body); ++i)
     bodies_ +=
@@ -240,8 +242,8 @@ void FaustBodies::write_bank(std::size_t body) {
   for (const auto& [target, quantity] : pickups) {
     const std::size_t place = arrays_.targets[target];
     write_shapes(place);
-    observed.push_back(fmt::format("shape_{}(i) * {}", place,
-                                   quantity == OutputQuantity::kVelocity ? "velocity" : "displacement"));
+    observed.push_back(
+        fmt::format("shape_{}(i) * {}", place, quantity == OutputQuantity::kVelocity ? "velocity" : "displacement"));
     signals.push_back(fmt::format("pickup_{}", target));
   }
   for (std::size_t m = 0; m < places.size(); ++m)
@@ -312,7 +314,8 @@ void FaustBodies::write_bank_of_two_samples(std::size_t body) {
       "with {{\n"
       "  sixteen(j) = par(k, {5}, _) <: par(i, min(16, {6} - 16 * j), one(16 * j + i)) :> par(k, {4}, keep);\n"
       "  one(i, {1}last_gain, last_damping, gain, damping) =\n"
-      "    {7}, {8}, last_gain, last_damping, gain, damping, constants_{0}(i), (constants_{0}(i) : modal.coefficients),\n"
+      "    {7}, {8}, last_gain, last_damping, gain, damping, constants_{0}(i), (constants_{0}(i) : "
+      "modal.coefficients),\n"
       "    {9} : modal.mode_of_two_samples : observe(i);\n"
       "  observe(i, increment, before, displacement, pickup_gain, velocity, velocity_gain, gradient, admittance) =\n"
       "    {10};\n}};\n",
@@ -338,8 +341,9 @@ std::vector<std::pair<std::string, std::string>> FaustBodies::observed_over_two_
     const std::size_t place = arrays_.targets[target];
     write_shapes(place);
     const bool is_velocity = quantity == OutputQuantity::kVelocity;
-    observed.emplace_back(name_at("pickup", target), fmt::format("{} * {}", shape_of(place),
-                                                                 is_velocity ? "velocity" : "pickup_gain * displacement"));
+    observed.emplace_back(
+        name_at("pickup", target),
+        fmt::format("{} * {}", shape_of(place), is_velocity ? "velocity" : "pickup_gain * displacement"));
     if (is_pulled(place, is_velocity)) observed.emplace_back(name_at("pull", target), pull_at(place, is_velocity));
   }
   for (std::size_t m = 0; m < places.size(); ++m)

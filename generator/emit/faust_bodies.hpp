@@ -2,21 +2,21 @@
 // The bodies of an instrument as Faust text.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cstddef>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "generator/emit/faust_chain.hpp"
 #include "generator/instrument/instrument.hpp"
 
 namespace contactspline {
 
-/// Writes masses and banks of modes: what they tell the connections of a sample, from the forces of the last one. Where
-/// a body stretches, all forces act over two samples (docs/how-it-works/stretching.md). The connections are in
+/// Writes masses and banks of modes: what they tell the connections of a sample, from the forces of the last one.
+/// Where a body stretches, all forces act over two samples (docs/how-it-works/stretching.md). The connections are in
 /// emit_instrument_faust.cpp.
 class FaustBodies {
  protected:
@@ -25,9 +25,7 @@ class FaustBodies {
   [[nodiscard]] const std::vector<InstrumentConnection>& connections() const { return connections_; }
   // Do all forces act over two samples, because a body stretches?
   [[nodiscard]] bool are_steps_double() const { return !arrays_.stretch_forms.empty(); }
-  [[nodiscard]] bool is_form(std::size_t connection) const {
-    return connection >= arrays_.connections.size();
-  }
+  [[nodiscard]] bool is_form(std::size_t connection) const { return connection >= arrays_.connections.size(); }
   [[nodiscard]] std::span<const std::size_t> targets(std::size_t first, std::size_t count) const {
     return std::span(arrays_.targets).subspan(first, count);
   }

@@ -105,9 +105,9 @@ TEST(GoodInstrumentFile, IsAccepted) {
 // what stretches.
 TEST(BadInstrument, ThatStretchesMayHaveNoFaustText) {
   const Sandbox box;
-  const std::string good = changed(
-      kGood, R"("name": "other",)",
-      R"("name": "other", "stretch": { "youngs_modulus_pa": 2e11, "core_diameter_m": 3e-4 },)");
+  const std::string good =
+      changed(kGood, R"("name": "other",)",
+              R"("name": "other", "stretch": { "youngs_modulus_pa": 2e11, "core_diameter_m": 3e-4 },)");
   write_file(box / "probe.json", good);
   const Outcome outcome = generate(box);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
