@@ -64,7 +64,7 @@ class Library:
     def controls(self, name):
         """The names in an environment of controls; none if it is something else."""
         found = re.search(rf"^{name}\b[^;]*?= environment {{\n(.*?)^}};", self.text, re.M | re.S)
-        return re.findall(r"^  (\w+) =", found.group(1), re.M) if found and name.endswith("_controls") else []
+        return re.findall(r"^  (\w+) =", found.group(1), re.M) if found and (name.endswith("_controls") or not self.parameters[name]) else []
 
 
 def libraries():

@@ -39,6 +39,7 @@ faust_header(slide_on_bridge ${here}/slide_on_bridge.dsp double)
 faust_header(piano_double ${programs_folder}/piano.dsp double)
 faust_header(piano_effect_double ${here}/piano_effect.dsp double)
 faust_header(slide_string_model ${here}/slide_string_model.dsp double)
+faust_header(bowed_string_model ${here}/bowed_string_model.dsp double)
 faust_header(fret_string_model ${here}/fret_string_model.dsp double)
 faust_header(coefficients_double ${here}/coefficients.dsp double)
 faust_header(live_exponent_double ${here}/live_exponent.dsp double)
@@ -50,7 +51,7 @@ faust_twin_test(faust_hammer_string_test SOURCES hammer_string_test.cpp CLASSES 
 faust_twin_test(partials_test SOURCES partials_test.cpp CLASSES hammer_string_double hammer_string_single)
 faust_twin_test(faust_live_control_test SOURCES live_control_test.cpp
   CLASSES hammer_string_double slide_string_ui fret_string_ui)
-faust_twin_test(faust_string_models_test SOURCES string_models_test.cpp CLASSES slide_string_model fret_string_model)
+faust_twin_test(faust_string_models_test SOURCES string_models_test.cpp CLASSES slide_string_model fret_string_model bowed_string_model)
 faust_twin_test(keyboard_test SOURCES keyboard_test.cpp
   LIBRARIES contactspline_emit ${simd} DEFINITIONS SOURCE_FOLDER="${PROJECT_SOURCE_DIR}")
 faust_twin_test(faust_piano_test SOURCES piano_test.cpp CLASSES piano_double piano_effect_double
