@@ -186,7 +186,7 @@ struct InstrumentForm {
 /// rest, with the gaps as they are there. stretch_forms: how bodies stretch from where they rest, by rising body;
 /// stretch_squares: for each form the squares of all modes of its body; stretch_products: of each form. assistance:
 /// the parameter of the bows whose limits are known. input_places: that the input pushes, each by its whole force;
-/// input_full_scale_n: the force that hosts play as 1, 0 without an input. license: SPDX identifier.
+/// input_scale_n: the force that hosts play as 1, 0 without an input. license: SPDX identifier.
 struct InstrumentData {
   const char *name, *description, *license;
   std::span<const double> angular_frequencies, decays, masses;
@@ -219,7 +219,7 @@ struct InstrumentData {
   std::span<const InstrumentBow> bows = {};
   std::size_t assistance = kNoParameter;
   std::span<const std::size_t> input_places = {};
-  double input_full_scale_n = 0;
+  double input_scale_n = 0;
 
   [[nodiscard]] std::size_t modes_of(std::size_t body) const {
     return body_ends[body] - (body == 0 ? 0 : body_ends[body - 1]);

@@ -54,7 +54,7 @@ class AnyInstrument {
   [[nodiscard]] virtual bool is_at_rest(double limit_j) const = 0;  ///< false where the instrument does not say
   [[nodiscard]] virtual bool sleeps() const = 0;                    ///< is it silent until it is played?
   [[nodiscard]] virtual Books books() const = 0;
-  [[nodiscard]] virtual double input_full_scale_n() const { return 0; }  ///< 0: it has no input
+  [[nodiscard]] virtual double input_scale_n() const { return 0; }  ///< 0: it has no input
   /// Does another instrument wait to take its place at the next event or block?
   [[nodiscard]] virtual bool has_next() const { return false; }
 
@@ -153,7 +153,7 @@ class InstrumentBehind final : public AnyInstrument<typename I::value_type> {
     else
       return false;
   }
-  [[nodiscard]] double input_full_scale_n() const override { return input_full_scale_of(instrument_); }
+  [[nodiscard]] double input_scale_n() const override { return input_scale_of(instrument_); }
   [[nodiscard]] bool sleeps() const override {
     return requires {
       I::kSleeps;

@@ -285,7 +285,7 @@ class Hosted {
 
   template <typename Sample>
   [[nodiscard]] std::span<const T> in_newtons(const Sample* input, std::size_t begin, std::size_t samples) {
-    const double full_scale_n = instrument().input_full_scale_n();
+    const double full_scale_n = instrument().input_scale_n();
     if (input == nullptr || !(full_scale_n > 0)) return {};
     std::transform(input + begin, input + begin + samples, input_.begin(),
                    [&](Sample sample) { return static_cast<T>(full_scale_n * static_cast<double>(sample)); });

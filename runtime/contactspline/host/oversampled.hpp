@@ -72,7 +72,7 @@ class Oversampled final : public AnyInstrument<T> {
   [[nodiscard]] double value(std::size_t parameter) const override { return instrument_->value(parameter); }
   [[nodiscard]] bool is_silent(double limit_j) const override { return instrument_->is_silent(limit_j); }
   [[nodiscard]] bool is_at_rest(double limit_j) const override { return instrument_->is_at_rest(limit_j); }
-  [[nodiscard]] double input_full_scale_n() const override { return instrument_->input_full_scale_n(); }
+  [[nodiscard]] double input_scale_n() const override { return instrument_->input_scale_n(); }
   [[nodiscard]] bool sleeps() const override { return instrument_->sleeps(); }
   [[nodiscard]] Books books() const override { return instrument_->books(); }
   [[nodiscard]] bool has_next() const override { return instrument_->has_next(); }

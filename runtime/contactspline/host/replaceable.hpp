@@ -127,7 +127,7 @@ class Replaceable final : public AnyInstrument<T> {
   [[nodiscard]] bool is_at_rest(double limit_j) const override {
     return old_ == nullptr && now_->handle->is_at_rest(limit_j);
   }
-  [[nodiscard]] double input_full_scale_n() const override { return first().input_full_scale_n(); }
+  [[nodiscard]] double input_scale_n() const override { return first().input_scale_n(); }
   [[nodiscard]] bool sleeps() const override { return first().sleeps(); }
   [[nodiscard]] Books books() const override { return now_->handle->books(); }
   [[nodiscard]] bool has_next() const override { return offered_.load(std::memory_order_relaxed) != nullptr; }

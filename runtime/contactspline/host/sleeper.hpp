@@ -60,7 +60,7 @@ class Sleeper {
   /// Advances a block. outputs: a span of the block's length for each output, empty for one that nobody wants; force:
   /// the same for the sum of the contact forces [N]; input: a force on the body over each sample [N], or empty.
   void process(Outputs<T> outputs, std::span<T> force, std::size_t samples, std::span<const T> input = {}) {
-    if (!(instrument_->input_full_scale_n() > 0)) input = {};
+    if (!(instrument_->input_scale_n() > 0)) input = {};
     const bool is_any_wanted =
         !force.empty() || std::ranges::any_of(outputs, [](std::span<T> output) { return !output.empty(); });
     if (is_any_wanted) return process_wanted(outputs, force, samples, input);

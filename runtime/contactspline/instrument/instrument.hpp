@@ -36,7 +36,7 @@ using Outputs = std::span<const std::span<T>>;
 /// It may also have is_at_rest(limit): do loads hold all still, but for a kinetic energy below a limit [J]? And
 /// event_of(key): the event that a key of MIDI plays, if it plays one; or, without events, has_key(key). And an
 /// input, process(outputs, force, input): a force on its body over each sample [N], an empty span for none; and
-/// input_full_scale_n(): the force that hosts play as 1 [N].
+/// input_scale_n(): the force that hosts play as 1 [N].
 template <typename I>
 concept Instrument = std::floating_point<typename I::value_type> &&
     requires(I& i, const I& c, typename I::value_type x, Outputs<typename I::value_type> outputs,
@@ -77,9 +77,9 @@ template <Instrument I>
 
 /// Full scale of the input of an instrument [N]; 0: it has none.
 template <Instrument I>
-[[nodiscard]] double input_full_scale_of(const I& instrument) {
-  if constexpr (requires { instrument.input_full_scale_n(); })
-    return instrument.input_full_scale_n();
+[[nodiscard]] double input_scale_of(const I& instrument) {
+  if constexpr (requires { instrument.input_scale_n(); })
+    return instrument.input_scale_n();
   else
     return 0;
 }

@@ -53,7 +53,7 @@ class PedaledKeyboard : public KeyboardOnBody<T>, public KeyboardParameter {
   [[nodiscard]] std::span<const Output> outputs() const { return parts_->has_ears ? kPressureOutputs : kOutputs; }
   [[nodiscard]] std::span<const Preset> presets() const { return parts_->presets; }
   /// The input pushes the bridge, 1 by the force that an output of a force plays as 1.
-  [[nodiscard]] static double input_full_scale_n() { return 50; }
+  [[nodiscard]] static double input_scale_n() { return 50; }
 
   /// Brings it to rest at a sample rate; parameters stay. Allocates.
   void prepare(double sample_rate_hz) {

@@ -67,7 +67,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
   [[nodiscard]] std::span<const Event> events() const { return data_.events; }
   [[nodiscard]] std::span<const Output> outputs() const { return data_.outputs; }
   [[nodiscard]] std::span<const Preset> presets() const { return presets_; }
-  [[nodiscard]] double input_full_scale_n() const { return data_.input_full_scale_n; }
+  [[nodiscard]] double input_scale_n() const { return data_.input_scale_n; }
   [[nodiscard]] const KeyedData& keyed() const { return data_.keyed; }
 
   /// Brings all bodies to rest at a sample rate; allocates. All below is safe on an audio thread.

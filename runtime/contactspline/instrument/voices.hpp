@@ -74,7 +74,7 @@ class Voices {
   [[nodiscard]] std::span<const Output> outputs() const { return first().outputs(); }
   [[nodiscard]] std::span<const Preset> presets() const { return first().presets(); }
   [[nodiscard]] const KeyedData& keyed() const { return first().keyed(); }
-  [[nodiscard]] double input_full_scale_n() const { return input_full_scale_of(first()); }
+  [[nodiscard]] double input_scale_n() const { return input_scale_of(first()); }
 
   /// Brings all voices to rest at a sample rate; allocates. All below is safe on an audio thread.
   void prepare(double sample_rate_hz) {
@@ -183,7 +183,7 @@ class Voices {
     const std::size_t length = detail::block_length<T>(outputs, force);
     for (const std::span<T> output : outputs) std::ranges::fill(output, T(0));
     std::ranges::fill(force, T(0));
-    if (!(input_full_scale_n() > 0)) input = {};
+    if (!(input_scale_n() > 0)) input = {};
     for (Voice& voice : voices_) {
       for (std::size_t done = 0; done < length;) {
         if (voice.is_asleep && (done += until_push(input, done)) >= length) break;
