@@ -59,11 +59,11 @@ constexpr auto kMode = R"({ "name": "probe",
   "outputs": [ { "name": "foot", "displacement_m": "foot" } ],
   "input": { "force_n": "foot", "full_scale": 2 } })";
 
-// The midpoint rule has the poles p and p* of the mode and one zero at -1, and the compliance 1/k of the mode at rest:
-// H(z) = |1 - p|^2/(2 k) (z + 1)/((z - p)(z - p*)). In a steady state the mean work of a sample is that of the force
-// with the change of place, F^2/2 Re[(z - 1) H(z)]. An output hears H over the part of it that averaging the force over
-// a sample leaves, |1 - p|^2/|p dt|^2 (docs/how-it-works/modal.md). At the frequency of the mode, the amplitude is that of the
-// continuous mode, F/(2 a m w), to the second order in w dt and in a/w.
+// The midpoint rule has the poles p and p* of the mode and one zero at -1, and the compliance 1/k of the mode at
+// rest: H(z) = |1 - p|^2/(2 k) (z + 1)/((z - p)(z - p*)). In a steady state the mean work of a sample is that of the
+// force with the change of place, F^2/2 Re[(z - 1) H(z)]. An output hears H over the part of it that averaging the
+// force over a sample leaves, |1 - p|^2/|p dt|^2 (docs/how-it-works/modal.md). At the frequency of the mode, the
+// amplitude is that of the continuous mode, F/(2 a m w), to the second order in w dt and in a/w.
 TEST(Input, MovesAModeByItsResponse) {
   const InstrumentArrays arrays = arrays_of(parse_instrument(kMode, "probe.json"), kRate / 2);
   NetworkInstrument<double> instrument(arrays.view(), kRate);
@@ -146,8 +146,8 @@ TEST(Input, OfSilenceChangesNothing) {
 
 // What hosts hear: nothing while the input is faint; from the block on in which it pushes what the class plays.
 TEST(Input, WakesWhatSleeps) {
-  for (const auto make : {handle_of<instruments::tom<double>>, handle_of<instruments::cello<double>>,
-                          handle_of<Piano>}) {
+  for (const auto make :
+       {handle_of<instruments::tom<double>>, handle_of<instruments::cello<double>>, handle_of<Piano>}) {
     Hosted<double> hosted(make());
     SCOPED_TRACE(hosted.instrument().name());
     hosted.prepare(kRate);
@@ -218,7 +218,8 @@ TEST(Input, OfABodyIsTheWorkAtItsBridge) {
   const double first[] = {0.5, 1}, second[] = {1, -0.4};
   const std::vector<BridgeStiffness> stiffness = {{1e6, 0}, {2e5, 0}};
   Body<double> body(
-      modes, {ModeShapes<double>(std::span<const double>(first)), ModeShapes<double>(std::span<const double>(second))},
+      modes,
+      {ModeShapes<double>(std::span<const double>(first)), ModeShapes<double>(std::span<const double>(second))},
       stiffness, kRate);
   double work = 0, largest = 0;
   const std::vector<double> input = noise<double>(44100, 3), none(2);
