@@ -1,5 +1,5 @@
 # contactspline_plugin(TARGET name INSTRUMENT name | HEADER file CLASS type [MATERIALS target...] [FORMATS format...]
-#                      [TITLE text] [VENDOR text] [ID text] [URI uri] [OUTPUT_DIR folder])
+#                      [INPUTS 0|1] [TITLE text] [VENDOR text] [ID text] [URI uri] [OUTPUT_DIR folder])
 #
 # Makes plug-ins of an instrument, by the DISTRHO Plugin Framework: OUTPUT_DIR/clap/TARGET.clap,
 # OUTPUT_DIR/vst3/TARGET.vst3 and OUTPUT_DIR/lv2/TARGET.lv2. The build target TARGET builds all of them, TARGET_clap and
@@ -12,6 +12,8 @@
 #             "my::Kalimba<float>"
 # MATERIALS   targets of contactspline_generate with EMIT cpp, and other libraries that the class needs
 # FORMATS     clap, vst3, lv2; default: all
+# INPUTS      1: the plug-in has an audio input that pushes the body; default: 1 for an instrument that ships and has
+#             an input, else 0
 # TITLE       name that hosts show; default: TARGET in words
 # VENDOR      of the plug-in; default: Contact Spline
 # ID          identity of the plug-in in CLAP and VST3, never to change; default: contactspline.TARGET
@@ -134,17 +136,21 @@ function(_contactspline_plugin_class)
     list(JOIN own ", " own)
     _contactspline_fail("INSTRUMENT: no '${arg_INSTRUMENT}' ships or is emitted as cpp by MATERIALS; allowed: ${own}")
   endif()
+  get_target_property(with_input ContactSpline::materials CONTACTSPLINE_INPUTS)
+  if(NOT DEFINED arg_INPUTS AND arg_INSTRUMENT IN_LIST with_input AND NOT arg_INSTRUMENT IN_LIST own)
+    set(arg_INPUTS 1)
+  endif()
   list(APPEND header contactspline/host/engine.hpp)
   set(handle "contactspline::handle_of<${class}>")
   if(TARGET ContactSpline::engine)
     set(handle "contactspline::compiled<${class}>")
   endif()
-  return(PROPAGATE header class handle)
+  return(PROPAGATE header class handle arg_INPUTS)
 endfunction()
 
 # Checks and completes the arguments; sets `header` and `class`.
 function(_contactspline_plugin_arguments)
-  set(one TARGET INSTRUMENT HEADER CLASS TITLE VENDOR ID URI OUTPUT_DIR)
+  set(one TARGET INSTRUMENT HEADER CLASS INPUTS TITLE VENDOR ID URI OUTPUT_DIR)
   _contactspline_parse("${one}" "MATERIALS;FORMATS" "TARGET" ${ARGV})
   if(NOT arg_TARGET MATCHES "^[A-Za-z][A-Za-z0-9_]*$")
     _contactspline_fail("TARGET: '${arg_TARGET}' is not usable; allowed: letters, digits and _, a letter first")
@@ -167,6 +173,9 @@ function(_contactspline_plugin_arguments)
       _contactspline_fail("FORMATS: '${format}' is unknown; allowed: clap, vst3, lv2")
     endif()
   endforeach()
+  if(DEFINED arg_INPUTS AND NOT arg_INPUTS MATCHES "^[01]$")
+    _contactspline_fail("INPUTS: '${arg_INPUTS}' is neither; allowed: 0 and 1")
+  endif()
   if(DEFINED arg_INSTRUMENT)
     _contactspline_plugin_class()
   else()
@@ -176,6 +185,9 @@ function(_contactspline_plugin_arguments)
     if(NOT EXISTS "${header}")
       set(header "${arg_HEADER}")
     endif()
+  endif()
+  if(NOT DEFINED arg_INPUTS)
+    set(arg_INPUTS 0)
   endif()
   if(NOT DEFINED arg_TITLE)
     string(REGEX REPLACE "_+" " " arg_TITLE "${arg_TARGET}")
@@ -212,7 +224,7 @@ function(_contactspline_plugin_part part)
   target_compile_features(${part} PRIVATE cxx_std_20)
   string(TOUPPER ${format} upper_format)
   target_compile_definitions(${part} PRIVATE DISTRHO_PLUGIN_TARGET_${upper_format} DISTRHO_PLUGIN_NAME="${arg_TITLE}"
-    DISTRHO_PLUGIN_BRAND="${arg_VENDOR}" DISTRHO_PLUGIN_URI="${arg_URI}" DISTRHO_PLUGIN_CLAP_ID="${arg_ID}"
+    DISTRHO_PLUGIN_BRAND="${arg_VENDOR}" DISTRHO_PLUGIN_URI="${arg_URI}" DISTRHO_PLUGIN_CLAP_ID="${arg_ID}" DISTRHO_PLUGIN_NUM_INPUTS=${arg_INPUTS}
     CONTACTSPLINE_HAS_WINDOW=$<TARGET_EXISTS:contactspline_window_graphics> CONTACTSPLINE_PLUGIN_LABEL="${arg_TARGET}" CONTACTSPLINE_PLUGIN_UNIQUE_ID=0x${hash})
   target_include_directories(${part} PRIVATE "${ContactSpline_PLUGIN_DIR}")
   target_include_directories(${part} SYSTEM PRIVATE "${DPF_DIR}/distrho")
@@ -316,6 +328,7 @@ function(_contactspline_window)
   set(arg_ID contactspline.window)
   set(arg_URI urn:contactspline:window)
   set(arg_MATERIALS "")
+  set(arg_INPUTS 0)
   add_library(${window} OBJECT EXCLUDE_FROM_ALL "${ContactSpline_PLUGIN_DIR}/window.cpp")
   target_compile_options(${window} PRIVATE -w -O1)
   _contactspline_plugin_part(${window})

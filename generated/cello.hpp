@@ -505,12 +505,13 @@ class cello : public Voices<NetworkInstrument<T>> {
         {5, 1, {4.76, 11.9}},
         {6, 1, {2.63, 6.57}},
         {7, 1, {2.53, 6.32}}}};
+    static constexpr std::array<std::size_t, 1> input_places = {12};
 
     static constexpr InstrumentData view() {
       return {"cello", "four strings of a cello under a bow", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
               knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
               parameters, events, outputs,
-              {key_ranges, 1, tension_squares, 0, damped, 15.0, 6, 7}, preset_names, preset_values, wavenumbers, {}, {}, {}, {}, {}, {}, {}, {}, {}, bows, 5};
+              {key_ranges, 1, tension_squares, 0, damped, 15.0, 6, 7}, preset_names, preset_values, wavenumbers, {}, {}, {}, {}, {}, {}, {}, {}, {}, bows, 5, input_places, 6.0};
     }
   };
 };

@@ -168,11 +168,13 @@ class classical_guitar : public NetworkInstrument<T> {
     static constexpr std::array<Output, 2> outputs = {{
         {"body_velocity_m_per_s", "m/s", 0.5},
         {"bridge_force_n", "N", 20.0}}};
+    static constexpr std::array<std::size_t, 1> input_places = {3};
 
     static constexpr InstrumentData view() {
       return {"classical_guitar", "guitar string on a guitar body", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
               knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
-              parameters, events, outputs};
+              parameters, events, outputs,
+              {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, input_places, 10.0};
     }
   };
 };

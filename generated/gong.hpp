@@ -4562,12 +4562,13 @@ class gong : public NetworkInstrument<T> {
         {58, 61, 3924.492787},
         {59, 62, -2240.585286},
         {60, 63, -2474.585638}}};
+    static constexpr std::array<std::size_t, 1> input_places = {1};
 
     static constexpr InstrumentData view() {
       return {"gong", "Peking opera gong whose pitch glides", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
               knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
               parameters, events, outputs,
-              {}, {}, {}, {}, {}, {}, 44100.0, pressure_paths, pressure_taps, {}, stretch_forms, stretch_squares, stretch_products};
+              {}, {}, {}, {}, {}, {}, 44100.0, pressure_paths, pressure_taps, {}, stretch_forms, stretch_squares, stretch_products, {}, {}, input_places, 10.0};
     }
   };
 };

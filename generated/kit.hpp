@@ -2436,12 +2436,13 @@ class kit : public Voices<NetworkInstrument<T>> {
         {39, -3.970200942741e-05},
         {40, -0.0001193576980095},
         {41, -0.0008508672614766}}};
+    static constexpr std::array<std::size_t, 8> input_places = {8, 42, 46, 50, 54, 58, 62, 66};
 
     static constexpr InstrumentData view() {
       return {"kit", "drum kit: a snare, six toms and a bass drum on the percussion keys of General MIDI", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
               knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
               parameters, events, outputs,
-              {key_ranges, 1, tension_squares, 0, damped, 0.0, kNoParameter, kNoParameter}, {}, {}, {}, {}, {}, {}, {}, {}, holds};
+              {key_ranges, 1, tension_squares, 0, damped, 0.0, kNoParameter, kNoParameter}, {}, {}, {}, {}, {}, {}, {}, {}, holds, {}, {}, {}, {}, {}, input_places, 2.0};
     }
   };
 };

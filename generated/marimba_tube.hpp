@@ -128,11 +128,13 @@ class marimba_tube : public NetworkInstrument<T> {
     static constexpr std::array<Output, 2> outputs = {{
         {"both_velocity_m_per_s", "m/s", 4.0},
         {"bar_velocity_m_per_s", "m/s", 0.5}}};
+    static constexpr std::array<std::size_t, 1> input_places = {1};
 
     static constexpr InstrumentData view() {
       return {"marimba_tube", "marimba bar over its tube", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
               knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
-              parameters, events, outputs};
+              parameters, events, outputs,
+              {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, input_places, 50.0};
     }
   };
 };

@@ -1985,12 +1985,13 @@ class snare : public NetworkInstrument<T> {
         {34, -5.892151261679e-05},
         {35, -0.0001450262280486},
         {36, -0.0007325812195342}}};
+    static constexpr std::array<std::size_t, 1> input_places = {1};
 
     static constexpr InstrumentData view() {
       return {"snare", "drum with two heads and three wires that rattle along the lower one", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
               knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
               parameters, events, outputs,
-              {}, {}, {}, {}, {}, {}, 44100.0, pressure_paths, pressure_taps, holds};
+              {}, {}, {}, {}, {}, {}, 44100.0, pressure_paths, pressure_taps, holds, {}, {}, {}, {}, {}, input_places, 3.0};
     }
   };
 };

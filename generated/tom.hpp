@@ -970,12 +970,13 @@ class tom : public NetworkInstrument<T> {
         268.5749382935, 223.0748433297, 183.0268588137, 266.2219685755, 233.1772210391, 257.3419589154,
         280.22314426, 190.1188632062, 288.1938871358, 581.5734770942, 280.8008890215, 243.0237981622,
         269.5326801028, 197.0675778726};
+    static constexpr std::array<std::size_t, 1> input_places = {1};
 
     static constexpr InstrumentData view() {
       return {"tom", "drum with two heads that stretch and the air between them", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
               knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
               parameters, events, outputs,
-              {}, {}, {}, {}, {}, {}, 44100.0, pressure_paths, pressure_taps, {}, stretch_forms, stretch_squares};
+              {}, {}, {}, {}, {}, {}, 44100.0, pressure_paths, pressure_taps, {}, stretch_forms, stretch_squares, {}, {}, {}, input_places, 5.0};
     }
   };
 };

@@ -284,11 +284,13 @@ class trichord_c4 : public NetworkInstrument<T> {
         {"bridge_force_n", "N", 50.0},
         {"soundboard_velocity_m_per_s", "m/s", 0.03},
         {"hammer_force_n", "N", 50.0}}};
+    static constexpr std::array<std::size_t, 1> input_places = {8};
 
     static constexpr InstrumentData view() {
       return {"trichord_c4", "three strings of C4 under one hammer, on a soundboard", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
               knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
-              parameters, events, outputs};
+              parameters, events, outputs,
+              {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, input_places, 50.0};
     }
   };
 };

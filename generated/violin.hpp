@@ -411,12 +411,13 @@ class violin : public Voices<NetworkInstrument<T>> {
         {5, 1, {1.2, 3.0}},
         {6, 1, {0.923, 2.31}},
         {7, 1, {0.851, 2.13}}}};
+    static constexpr std::array<std::size_t, 1> input_places = {12};
 
     static constexpr InstrumentData view() {
       return {"violin", "four strings of a violin under a bow", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
               knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
               parameters, events, outputs,
-              {key_ranges, 1, tension_squares, 0, damped, 15.0, 6, 7}, preset_names, preset_values, wavenumbers, {}, {}, {}, {}, {}, {}, {}, {}, {}, bows, 5};
+              {key_ranges, 1, tension_squares, 0, damped, 15.0, 6, 7}, preset_names, preset_values, wavenumbers, {}, {}, {}, {}, {}, {}, {}, {}, {}, bows, 5, input_places, 3.0};
     }
   };
 };

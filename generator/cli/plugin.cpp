@@ -31,10 +31,11 @@ std::uintmax_t size_of(const fs::path& plugin) {
   return bytes;
 }
 
-std::string project_text(const std::string& name, const std::string& vendor) {
+std::string project_text(const std::string& name, const std::string& vendor, bool has_input) {
   return fill_template(emitted_template("plugin_project", "cmake"),
                        {{"NAME", name},
                         {"VENDOR", vendor},
+                        {"INPUTS", has_input ? "1" : "0"},
                         {"VERSION", CONTACTSPLINE_VERSION},
                         {"COMMAND", fmt::format("contactspline plugin {}.json", name)}});
 }
@@ -54,7 +55,8 @@ void make_plugin(const PluginOptions& options) {
   const fs::path project = options.output;
   const auto is_class = [](const Emitter& emitter) { return emitter.name == "cpp"; };
   const std::vector<OutputFile> files = {
-      {project / "CMakeLists.txt", project_text(source.name, options.vendor)},
+      {project / "CMakeLists.txt",
+       project_text(source.name, options.vendor, !instrument->model.input.places.empty())},
       {project / (source.name + ".hpp"), source.emit(*std::ranges::find_if(emitters(), is_class),
                                                      fmt::format("contactspline plugin {}.json", source.name))}};
   const std::vector<fs::path> paths = {files[0].path, files[1].path};

@@ -197,15 +197,24 @@ void add_cpp_bows(const InstrumentModel& model, const InstrumentArrays& arrays, 
   view[14] = place_or("kNoParameter", model.assistance);
 }
 
-// What keys, presets, places that move, memories, listening places, loads at rest and bodies that stretch add to the
-// arrays, and to the view of them.
+// Adds the places of the input to the text and to the view of them.
+void add_cpp_input(const InstrumentModel& model, const InstrumentArrays& arrays, std::string& text,
+                   std::vector<std::string>& view) {
+  if (arrays.input_places.empty()) return;
+  text += cpp_array("std::size_t", arrays.input_places.size(), "input_places", whole_numbers(arrays.input_places));
+  view[15] = "input_places";
+  view[16] = literal(model.input.full_scale_n);
+}
+
+// What keys, presets, places that move, memories, listening places, loads at rest, bodies that stretch, bows and the
+// input add to the arrays, and to the view of them.
 void add_cpp_options(const InstrumentModel& model, const InstrumentArrays& arrays, TemplateValues& values) {
   const ModelKeys& keys = model.keys;
   const bool has_keys = !keys.ranges.empty();
   values["BASE"] = has_keys ? "Voices<NetworkInstrument<T>>" : "NetworkInstrument<T>";
   values["VOICES"] = has_keys ? "\n#include \"contactspline/instrument/voices.hpp\"" : "";
   std::string& text = values["OPTIONS"] = "";
-  std::vector<std::string> view(15, "{}");  // the last members of InstrumentData
+  std::vector<std::string> view(17, "{}");  // the last members of InstrumentData
   view[0] = has_keys ? add_cpp_keys(keys, arrays, text) : cpp_far_ends(arrays);
   if (!arrays.preset_names.empty()) {
     std::vector<std::string> names;
@@ -238,6 +247,7 @@ void add_cpp_options(const InstrumentModel& model, const InstrumentArrays& array
   }
   add_cpp_forms(arrays, text, view);
   add_cpp_bows(model, arrays, text, view);
+  add_cpp_input(model, arrays, text, view);
   while (!view.empty() && view.back() == "{}") view.pop_back();
   values["OPTIONS_VIEW"] = view.empty() ? "" : fmt::format(",\n              {}", fmt::join(view, ", "));
 }
@@ -304,7 +314,7 @@ std::string json_forms(const InstrumentArrays& arrays) {
       }));
 }
 
-// Keys, presets, places that move and bodies that stretch, of a file that has them.
+// Keys, presets, places that move, bodies that stretch, bows and the input, of a file that has them.
 std::string json_options_of(const InstrumentModel& model, const InstrumentArrays& arrays) {
   std::string text;
   if (!model.keys.ranges.empty()) {
@@ -336,6 +346,9 @@ std::string json_options_of(const InstrumentModel& model, const InstrumentArrays
                              bow.first, bow.count, literal(bow.limits.min_n_s_per_m),
                              literal(bow.limits.max_n_s_per_m));
         }));
+  if (!arrays.input_places.empty())
+    text += fmt::format(",\n  \"input\": {{\"places\": [{}], \"full_scale_n\": {}}}",
+                        whole_numbers(arrays.input_places), literal(model.input.full_scale_n));
   if (model.presets.empty()) return text;
   return text + fmt::format(",\n  \"presets\": [\n{}\n  ]",
                             rows_of(model.presets, "    ", [&](const ModelPreset& preset, std::size_t) {

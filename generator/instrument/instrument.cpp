@@ -108,6 +108,7 @@ class Flattener {
     if (arrays_.memories.empty()) arrays_.memory_ends.clear();
     for (const ConnectionGroup& group : model_.connections) add_group(group);
     for (const ControlTargets& control : model_.controls) add_control(control);
+    for (const std::size_t place : model_.input.places) arrays_.input_places.push_back(first_place_[place]);
     add_pressures();
     for (const ModelOutput& output : model_.outputs) add_source(output);
     arrays_.strikes = model_.strikes;
@@ -219,6 +220,7 @@ class Flattener {
     for (const InstrumentControl& control : arrays_.controls)
       if (control.quantity == ControlQuantity::kForce)
         for (std::size_t i = 0; i < control.count; ++i) add(arrays_.targets[control.first_target + i]);
+    for (const std::size_t place : arrays_.input_places) add(place);
     return driven;
   }
 
@@ -381,7 +383,9 @@ InstrumentData InstrumentArrays::view() const {
           .stretch_squares = stretch_squares,
           .stretch_products = stretch_products,
           .bows = bows,
-          .assistance = model->assistance};
+          .assistance = model->assistance,
+          .input_places = input_places,
+          .input_scale_n = model->input.full_scale_n};
 }
 
 double effective_mass(const InstrumentModel& model, std::size_t place, std::size_t point, bool moves) {

@@ -72,6 +72,12 @@ struct ModelOutput {
   ListeningPlace listening = {};  ///< of a pressure
 };
 
+/// What an input of audio pushes.
+struct ModelInput {
+  std::vector<std::size_t> places;  ///< none: there is no input
+  double full_scale_n = 0;          ///< the force that plug-ins play as 1
+};
+
 struct ModelPreset {
   std::string name;
   std::vector<double> values;  ///< one for each parameter
@@ -123,6 +129,7 @@ struct InstrumentModel {
   std::vector<ModelParameter> parameters;  ///< as in InstrumentData
   std::vector<ModelEvent> events;          ///< strikes, plucks, bows
   std::vector<ModelOutput> outputs;
+  ModelInput input = {};
   ModelKeys keys = {};
   std::vector<ModelPreset> presets = {};
   const ModelModule* module = nullptr;  ///< a class of the user's that plays; then bodies and controls are empty
@@ -170,6 +177,7 @@ struct InstrumentArrays {
   std::vector<double> stretch_squares;
   std::vector<StretchForm::Product> stretch_products;
   std::vector<InstrumentBow> bows;
+  std::vector<std::size_t> input_places;
   std::shared_ptr<const InstrumentModel> model;  ///< with the text of all names
 
   [[nodiscard]] InstrumentData view() const;

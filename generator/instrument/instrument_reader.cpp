@@ -23,7 +23,7 @@ constexpr const char* kMemberNames[] = {
     "value",   "set",       "prepare",        "name",           "events",     "contact_force", "ground",
     "samples", "is_silent", "format_version", "sample_rate_hz", "parameters", "outputs",       "presets",
     "force",   "note_on",   "description",    "value_type",     "note_off",   "tune",          "keyed",
-    "voice",   "license"};
+    "voice",   "license",   "input_scale_n"};
 
 void read_names(InstrumentDraft& draft) {
   draft.model.name = read_name(draft.json, kMemberNames);
@@ -41,7 +41,7 @@ InstrumentModel parse_instrument(std::string_view text, std::string_view file, c
   const JsonObject json =
       parse_json(text, file, "instrument",
                  {"name", "description", "license", "bodies", "places", "contacts", "springs", "links", "frictions",
-                  "controls", "strikes", "bows", "outputs", "keys", "polyphony", "damper", "presets"});
+                  "controls", "strikes", "bows", "outputs", "input", "keys", "polyphony", "damper", "presets"});
   InstrumentDraft draft(json);
   MovedMasses masses(draft);
   read_names(draft);
@@ -50,6 +50,7 @@ InstrumentModel parse_instrument(std::string_view text, std::string_view file, c
   read_controls(draft, masses);
   read_keys(draft);
   read_outputs(draft);
+  read_input(draft);
   read_presets(draft);
   return std::move(draft.model);
 }

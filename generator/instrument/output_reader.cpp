@@ -13,6 +13,13 @@ namespace {
 constexpr Range kFullScale{1e-9, 1e9};
 constexpr double kMaxListening_m = 4;  // so much farther sound may come than the first: the filters are as long
 
+// A loud sound of largest instruments.
+double default_full_scale(std::string_view unit) {
+  if (unit == "N") return 50;
+  if (unit == "Pa") return 20;
+  return unit == "m/s" ? 1 : 0.001;
+}
+
 /// Reads outputs, of which all pressures are heard together.
 class OutputReader {
  public:
@@ -86,13 +93,6 @@ class OutputReader {
     return place;
   }
 
-  // A loud sound of largest instruments.
-  static double default_full_scale(std::string_view unit) {
-    if (unit == "N") return 50;
-    if (unit == "Pa") return 20;
-    return unit == "m/s" ? 1 : 0.001;
-  }
-
   InstrumentDraft& draft_;
   InstrumentModel& model_;
   Reach listening_{std::numeric_limits<double>::max(), 0};  // of all outputs that are pressures
@@ -102,6 +102,19 @@ class OutputReader {
 
 void read_outputs(InstrumentDraft& draft) {
   OutputReader(draft).read();
+}
+
+void read_input(InstrumentDraft& draft) {
+  if (!draft.json.has("input")) return;
+  const JsonObject json = draft.json.object("input", {"force_n", "full_scale"});
+  ModelInput& input = draft.model.input;
+  for (const std::string& name : json.texts("force_n", "the name of a place, or an array of names", kMaxObjects)) {
+    const std::size_t place = draft.single_place(json, "force_n", name);
+    if (std::ranges::find(input.places, place) != input.places.end())
+      json.fail(json.key("force_n"), fmt::format("'{}' is named twice", name), "once");
+    input.places.push_back(place);
+  }
+  input.full_scale_n = json.has("full_scale") ? json.number("full_scale", kFullScale) : default_full_scale("N");
 }
 
 void read_presets(InstrumentDraft& draft) {

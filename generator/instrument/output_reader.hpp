@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Outputs and presets of an instrument file.
+// Outputs, input and presets of an instrument file.
 #pragma once
 
 #include "generator/instrument/instrument_draft.hpp"
@@ -8,6 +8,9 @@ namespace contactspline {
 
 /// Reads `outputs`.
 void read_outputs(InstrumentDraft& draft);
+
+/// Reads `input`, if there is one.
+void read_input(InstrumentDraft& draft);
 
 /// Reads `presets`: values of all parameters of the model.
 void read_presets(InstrumentDraft& draft);

@@ -46,7 +46,7 @@ struct Blocks {
   explicit Blocks(std::size_t outputs) : scratch(outputs), spans(outputs) {}
   std::vector<std::array<T, kBlock>> scratch;
   std::vector<std::span<T>> spans;
-  std::array<T, kBlock> force{};
+  std::array<T, kBlock> force{}, input{};
 };
 
 /// An instrument of one precision with its blocks.
@@ -210,10 +210,11 @@ void require_text(const char* text, const char* argument) {
   if (text == nullptr) throw BadInput(fmt::format("contactspline: {}: is null; allowed: text", argument));
 }
 
-// Advances a part of a block. Arrays of the instrument's own precision are written directly; otherwise the part has
-// at most kBlock samples.
+// Advances a part of a block. Arrays of the instrument's own precision are written directly; otherwise, or with an
+// input, the part has at most kBlock samples. The input is read before anything is written.
 template <typename T, typename Sample>
-void process_part(Player<T>& player, Sample* const* outputs, Sample* force, std::size_t begin, std::size_t samples) {
+void process_part(Player<T>& player, const Sample* input, Sample* const* outputs, Sample* force, std::size_t begin,
+                  std::size_t samples) {
   Blocks<T>& blocks = player.blocks;
   const auto block = [&](Sample* wanted, std::array<T, kBlock>& scratch) -> std::span<T> {
     if (wanted == nullptr) return {};
@@ -229,7 +230,13 @@ void process_part(Player<T>& player, Sample* const* outputs, Sample* force, std:
   for (std::size_t o = 0; o < blocks.spans.size(); ++o)
     blocks.spans[o] = block(outputs != nullptr ? outputs[o] : nullptr, blocks.scratch[o]);
   const std::span<T> force_block = block(force, blocks.force);
-  player.sleeper.process(blocks.spans, force_block, samples);
+  std::span<const T> push;
+  if (input != nullptr) {
+    std::transform(input + begin, input + begin + samples, blocks.input.begin(),
+                   [](Sample sample) { return static_cast<T>(sample); });
+    push = std::span(blocks.input).first(samples);
+  }
+  player.sleeper.process(blocks.spans, force_block, samples, push);
   for (std::size_t o = 0; o < blocks.spans.size(); ++o)
     if (!blocks.spans[o].empty()) hand_over(outputs[o], blocks.spans[o]);
   if (force != nullptr) hand_over(force, force_block);
@@ -237,29 +244,30 @@ void process_part(Player<T>& player, Sample* const* outputs, Sample* force, std:
 
 // Advances from one sample of a block to another.
 template <typename Sample>
-void advance(contactspline_instrument& handle, Sample* const* outputs, Sample* force, std::size_t begin,
-             std::size_t end) {
+void advance(contactspline_instrument& handle, const Sample* input, Sample* const* outputs, Sample* force,
+             std::size_t begin, std::size_t end) {
   std::visit(
       [&]<typename T>(Player<T>& player) {
-        const std::size_t part = std::is_same_v<T, Sample> ? end - begin : kBlock;
-        for (; begin < end; begin += part) process_part(player, outputs, force, begin, std::min(part, end - begin));
+        const std::size_t part = std::is_same_v<T, Sample> && input == nullptr ? end - begin : kBlock;
+        for (; begin < end; begin += part)
+          process_part(player, input, outputs, force, begin, std::min(part, end - begin));
       },
       handle.player);
 }
 
 template <typename Sample>
-void process(contactspline_instrument* handle, std::span<const contactspline_timed_event> events,
+void process(contactspline_instrument* handle, std::span<const contactspline_timed_event> events, const Sample* input,
              Sample* const* outputs, Sample* force, std::size_t samples) {
   if (handle == nullptr) return;
   const FlushDenormals flushed;
   std::size_t done = 0;
   for (const contactspline_timed_event& event : events) {
     const std::size_t next = std::clamp(event.sample, done, samples);
-    advance(*handle, outputs, force, done, next);
+    advance(*handle, input, outputs, force, done, next);
     handle->play(event);
     done = next;
   }
-  advance(*handle, outputs, force, done, samples);
+  advance(*handle, input, outputs, force, done, samples);
 }
 
 // Events of C; none where the array is null.
@@ -466,20 +474,34 @@ void contactspline_play(contactspline_instrument* instrument, const contactsplin
 
 void contactspline_process(contactspline_instrument* instrument, float* const* outputs, float* force,
                            std::size_t samples) {
-  process(instrument, {}, outputs, force, samples);
+  process<float>(instrument, {}, nullptr, outputs, force, samples);
 }
 void contactspline_process_double(contactspline_instrument* instrument, double* const* outputs, double* force,
                                   std::size_t samples) {
-  process(instrument, {}, outputs, force, samples);
+  process<double>(instrument, {}, nullptr, outputs, force, samples);
 }
 void contactspline_process_events(contactspline_instrument* instrument, const contactspline_timed_event* events,
                                   std::size_t count, float* const* outputs, float* force, std::size_t samples) {
-  process(instrument, events_in(events, count), outputs, force, samples);
+  process<float>(instrument, events_in(events, count), nullptr, outputs, force, samples);
 }
 void contactspline_process_events_double(contactspline_instrument* instrument,
                                          const contactspline_timed_event* events, std::size_t count,
                                          double* const* outputs, double* force, std::size_t samples) {
-  process(instrument, events_in(events, count), outputs, force, samples);
+  process<double>(instrument, events_in(events, count), nullptr, outputs, force, samples);
+}
+
+void contactspline_process_input(contactspline_instrument* instrument, const contactspline_timed_event* events,
+                                 std::size_t count, const float* input, float* const* outputs, float* force,
+                                 std::size_t samples) {
+  process(instrument, events_in(events, count), input, outputs, force, samples);
+}
+void contactspline_process_input_double(contactspline_instrument* instrument, const contactspline_timed_event* events,
+                                        std::size_t count, const double* input, double* const* outputs, double* force,
+                                        std::size_t samples) {
+  process(instrument, events_in(events, count), input, outputs, force, samples);
+}
+double contactspline_input_scale(const contactspline_instrument* instrument) {
+  return with(instrument, 0.0, [](const auto& i) { return i.input_scale_n(); });
 }
 
 void contactspline_reset(contactspline_instrument* instrument) {

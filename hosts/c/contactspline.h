@@ -160,6 +160,18 @@ void contactspline_process_events_double(contactspline_instrument* instrument,
                                          const contactspline_timed_event* events, size_t count,
                                          double* const* outputs, double* force, size_t samples);
 
+/** The same with an input: a force on the body over each sample [N], or null; an instrument without an input ignores
+ * it. It may be one of the outputs. */
+void contactspline_process_input(contactspline_instrument* instrument, const contactspline_timed_event* events,
+                                 size_t count, const float* input, float* const* outputs, float* force,
+                                 size_t samples);
+void contactspline_process_input_double(contactspline_instrument* instrument, const contactspline_timed_event* events,
+                                        size_t count, const double* input, double* const* outputs, double* force,
+                                        size_t samples);
+
+/** The force that hosts play as 1 [N]; 0: it has no input. Safe for audio. */
+double contactspline_input_scale(const contactspline_instrument* instrument);
+
 /** Brings it to rest; parameters stay. Safe for audio. */
 void contactspline_reset(contactspline_instrument* instrument);
 

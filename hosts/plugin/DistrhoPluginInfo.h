@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the DISTRHO Plugin Framework asks of every plug-in. contactspline_plugin() adds name and identity.
+// What the DISTRHO Plugin Framework asks of every plug-in. contactspline_plugin() adds name, identity and inputs.
 #pragma once
 
 // A window takes its figures from the plug-in itself, in the same process.
@@ -11,7 +11,6 @@
 
 #define DISTRHO_PLUGIN_IS_RT_SAFE 1
 #define DISTRHO_PLUGIN_IS_SYNTH 1
-#define DISTRHO_PLUGIN_NUM_INPUTS 0
 #define DISTRHO_PLUGIN_NUM_OUTPUTS 2
 #define DISTRHO_PLUGIN_WANT_PROGRAMS 1
 // For CLAP. In VST3 the framework would give all parameters other numbers, in LV2 other ports: see without_states.hpp.

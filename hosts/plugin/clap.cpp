@@ -208,6 +208,27 @@ class EventsWithin {
       this, [](const clap_input_events_t* list) { return static_cast<EventsWithin*>(list->ctx)->count_; }, get};
 };
 
+// The inputs of a part of a block, as the framework wants them: where a host has none, a null pointer.
+class InputsWithin {
+ public:
+  InputsWithin(const clap_process_t& process, uint32_t begin) {
+    const bool is_there = process.audio_inputs_count > 0 && process.audio_inputs[0].channel_count > 0 &&
+                          process.audio_inputs[0].data32 != nullptr && process.audio_inputs[0].data32[0] != nullptr;
+    if (is_there) channel_ = process.audio_inputs[0].data32[0] + begin;
+  }
+  InputsWithin(const InputsWithin&) = delete;
+  InputsWithin& operator=(const InputsWithin&) = delete;
+
+  void give_to(clap_process_t& part) const {
+    part.audio_inputs = &bus_;
+    part.audio_inputs_count = DISTRHO_PLUGIN_NUM_INPUTS;
+  }
+
+ private:
+  float* channel_ = nullptr;
+  clap_audio_buffer_t bus_ = {&channel_, nullptr, 1, 0, 0};
+};
+
 bool is_parameter(clap_id id) {
   return id < sPlugin->getParameterCount();
 }
@@ -220,11 +241,15 @@ static CLAP_ABI clap_process_status clap_plugin_process(const clap_plugin_t* plu
   const uint32_t count = in == nullptr ? 0 : in->size(in), length = process->frames_count;
   const bool is_stereo =
       process->audio_outputs_count == 1 && process->audio_outputs[0].channel_count == DISTRHO_PLUGIN_NUM_OUTPUTS;
-  if (count == 0) return clap_plugin_process_of_framework(plugin, process);
+  clap_process_t part = *process;
+  if (count == 0) {
+    const InputsWithin inputs(*process, 0);
+    inputs.give_to(part);
+    return clap_plugin_process_of_framework(plugin, &part);
+  }
   contactspline::WindowedPlugin& instrument = instrument_of(plugin);
   clap_audio_buffer_t bus = is_stereo ? process->audio_outputs[0] : clap_audio_buffer_t{};
   float* channels[DISTRHO_PLUGIN_NUM_OUTPUTS];
-  clap_process_t part = *process;
   if (is_stereo) part.audio_outputs = &bus;
   for (uint32_t begin = 0, first = 0;;) {
     uint32_t end = length, last = first;
@@ -236,6 +261,7 @@ static CLAP_ABI clap_process_status clap_plugin_process(const clap_plugin_t* plu
     }
     const EventsWithin events(in, first, last, begin);
     const OutputsWithin outputs(process->out_events, begin);
+    const InputsWithin inputs(*process, begin);
     for (uint32_t i = first; i < last; ++i)
       if (const clap_event_header_t* const event = in->get(in, i))
         NoteReader(instrument, event->time - std::min(event->time, begin)).take(*event);
@@ -243,6 +269,7 @@ static CLAP_ABI clap_process_status clap_plugin_process(const clap_plugin_t* plu
     for (uint32_t c = 0; is_stereo && c < DISTRHO_PLUGIN_NUM_OUTPUTS; ++c)
       channels[c] = process->audio_outputs[0].data32[c] + begin;
     bus.data32 = channels;
+    inputs.give_to(part);
     part.in_events = events.events();
     part.out_events = outputs.events();
     part.frames_count = end - begin;
@@ -267,7 +294,9 @@ static CLAP_ABI void clap_plugin_reset(const clap_plugin_t* const plugin) {
   clap_audio_buffer_t bus = {channels, nullptr, DISTRHO_PLUGIN_NUM_OUTPUTS, 0, 0};
   const clap_output_events_t none = {nullptr,
                                      [](const clap_output_events_t*, const clap_event_header_t*) { return true; }};
-  const clap_process_t block = {-1, 1, nullptr, nullptr, &bus, 0, 1, &events, &none};
+  clap_process_t block = {-1, 1, nullptr, nullptr, &bus, 0, 1, &events, &none};
+  const InputsWithin no_inputs(block, 0);
+  no_inputs.give_to(block);
   clap_plugin_process_of_framework(plugin, &block);
 }
 

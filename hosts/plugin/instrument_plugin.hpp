@@ -62,8 +62,9 @@ struct PluginInstrument {
 /// first values. Left and right are the outputs whose names begin with left_ and right_; without them the first
 /// output is on both sides. Behind the tuning stand what hosts can only read: the peak of each output, in its unit,
 /// which falls within 0.3 s. The last two are the oversampling, whose change a thread of its own prepares and the
-/// instrument takes while it sounds, and the latency, to read. That thread also watches the instrument's file
-/// (watched_file.hpp); without one it sleeps. While a window watches, it tells it what the contacts do.
+/// instrument takes while it sounds, and the latency, to read. An audio input, of an instrument that has one, pushes
+/// its body. That thread also watches the instrument's file (watched_file.hpp); without one it sleeps. While a window
+/// watches, it tells it what the contacts do.
 template <std::floating_point T>
 class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlugin {
  public:
@@ -139,6 +140,11 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
 
   void initAudioPort(bool is_input, std::uint32_t index, DISTRHO_NAMESPACE::AudioPort& port) override {
     Plugin::initAudioPort(is_input, index, port);
+    if (is_input) {  // hosts offer it as a side chain: they play the instrument with none
+      port.hints = DISTRHO_NAMESPACE::kAudioPortIsSidechain;
+      port.name = "body";
+      return;
+    }
     port.groupId = DISTRHO_NAMESPACE::kPortGroupStereo;
     port.name = index == 0 ? "left" : "right";
   }
@@ -363,14 +369,15 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     volume_rate_ = static_cast<float>(-std::expm1(-1 / (kVolume.glide_s * getSampleRate())));
   }
 
-  void run(const float**, float** outputs, std::uint32_t samples, const DISTRHO_NAMESPACE::MidiEvent* events,
+  void run(const float** inputs, float** outputs, std::uint32_t samples, const DISTRHO_NAMESPACE::MidiEvent* events,
            std::uint32_t count) override {
     const FlushDenormals flushed;
     take_values();
+    const float* const input = DISTRHO_PLUGIN_NUM_INPUTS > 0 ? inputs[0] : nullptr;
     std::size_t done = 0;
     const auto play_until = [&](std::uint32_t frame) {
       const std::size_t time = std::clamp<std::size_t>(frame, done, samples);
-      play(outputs, done, time);
+      play(input, outputs, done, time);
       done = time;
     };
     std::span<const HostNote> rest = notes_.all();
@@ -387,7 +394,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
       take(rest);
     }
     notes_.clear();
-    play(outputs, done, samples);
+    play(input, outputs, done, samples);
     if (ring_.is_watched()) show_keys();
   }
 
@@ -480,18 +487,19 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
       this->hosted.midi(bytes);
   }
 
-  void play(float** outputs, std::size_t begin, std::size_t end) {
-    for (; begin < end; begin += kBlock) play_piece(outputs, begin, (std::min)(kBlock, end - begin));
+  void play(const float* input, float** outputs, std::size_t begin, std::size_t end) {
+    for (; begin < end; begin += kBlock) play_piece(input, outputs, begin, (std::min)(kBlock, end - begin));
   }
 
-  void play_piece(float** outputs, std::size_t begin, std::size_t samples) {
+  // The input may be an output, too: of each piece it is read before the outputs are written.
+  void play_piece(const float* input, float** outputs, std::size_t begin, std::size_t samples) {
     for (std::size_t o = 0; o < outputs_.size(); ++o) outputs_[o] = unheard_[o].data();
     float* const left = outputs_[left_] = outputs[0] + begin;
     float* const right = outputs[1] + begin;
     if (right_ != left_) outputs_[right_] = right;
     const bool is_watched = ring_.is_watched();
     const std::span force(forces_.data(), is_watched ? samples : 0);
-    this->hosted.template process<float>(outputs_, samples, force);
+    this->hosted.template process<float>(outputs_, samples, force, input == nullptr ? nullptr : input + begin);
     if (is_watched) show(force);
     for (std::size_t o = 0; o < outputs_.size(); ++o) measure(peaks_[o], {outputs_[o], samples});
     for (std::size_t n = 0; n < samples; ++n) {

@@ -316,6 +316,12 @@ class InstrumentVst3 : public PluginVst3 {
         data->input_params != nullptr && v3_cpp_obj(data->input_params)->get_param_count(data->input_params) > 0;
     v3_process_data part = *data;
     part.input_events = nullptr;
+    float* input = nullptr;
+    v3_audio_bus_buffers input_bus = {};
+    input_bus.num_channels = 1;
+    input_bus.channel_buffers_32 = &input;
+    part.inputs = has_input(*data) ? &input_bus : nullptr;
+    if (part.inputs != nullptr) input = data->inputs[0].channel_buffers_32[0];
     if (!has_changes) {
       read_notes(data->input_events, 0, (std::numeric_limits<int32_t>::max)(), length <= 0);
       return PluginVst3::process(&part);
@@ -336,6 +342,7 @@ class InstrumentVst3 : public PluginVst3 {
       part.input_params = reinterpret_cast<v3_param_changes**>(&points);
       const v3_result result = PluginVst3::process(&part);
       if (result != V3_OK || end >= length) return result;
+      if (input != nullptr) input += end - begin;
       begin = end;
     }
   }
@@ -351,11 +358,26 @@ class InstrumentVst3 : public PluginVst3 {
  private:
   static constexpr v3_param_id kPitchWheel = 129;
 
-  [[nodiscard]] uint32_t program_parameters() const { return fProgramCountMinusOne > 0 ? 1 : 0; }
+  // Does the host give the input a signal?
+  [[nodiscard]] bool has_input([[maybe_unused]] const v3_process_data& data) const {
+#if DISTRHO_PLUGIN_NUM_INPUTS > 0
+    return fEnabledInputs[0] && data.num_input_buses > 0 && data.inputs != nullptr &&
+           data.inputs[0].num_channels > 0 && data.inputs[0].channel_buffers_32 != nullptr &&
+           data.inputs[0].channel_buffers_32[0] != nullptr;
+#else
+    return false;
+#endif
+  }
+
+  [[nodiscard]] uint32_t program_parameters() const {
+    return fProgramCountMinusOne > 0 ? 1 : 0;
+  }
   [[nodiscard]] bool is_parameter(v3_param_id id) const {
     return id >= kVst3InternalParameterCount && index_of(id) < fParameterCount;
   }
-  [[nodiscard]] static uint32_t index_of(v3_param_id id) { return id - kVst3InternalParameterCount; }
+  [[nodiscard]] static uint32_t index_of(v3_param_id id) {
+    return id - kVst3InternalParameterCount;
+  }
   [[nodiscard]] bool is_hidden(v3_param_id id) const {
     return std::find(hidden_, hidden_ + hidden_count_, id) != hidden_ + hidden_count_;
   }

@@ -42,7 +42,7 @@ class EveryInstrument : public ::testing::Test {
   /// block.
   template <typename Before>
   static std::vector<std::vector<T>> play(Instrument& instrument, std::size_t samples, std::size_t block,
-                                          Before before) {
+                                          Before before, std::span<const T> input = {}) {
     const std::size_t count = instrument.outputs().size();
     std::vector<std::vector<T>> sound(count + 1, std::vector<T>(samples));
     std::vector<std::span<T>> part(count);
@@ -50,7 +50,8 @@ class EveryInstrument : public ::testing::Test {
       before(n);
       const std::size_t length = std::min(block, samples - n);
       for (std::size_t o = 0; o < count; ++o) part[o] = std::span(sound[o]).subspan(n, length);
-      expect_real_time([&] { instrument.process(part, std::span(sound[count]).subspan(n, length)); });
+      const auto pushed = input.empty() ? input : input.subspan(n, length);
+      expect_real_time([&] { instrument.process(part, std::span(sound[count]).subspan(n, length), pushed); });
     }
     return sound;
   }
@@ -207,6 +208,39 @@ TYPED_TEST(EveryInstrument, SoundsTheSameInBlocksOfAnyLength) {
             sequences_within<TypeParam>(found[o], expected[o], sizeof(TypeParam) == sizeof(float) ? 1e-5 : 1e-12))
             << o << " in blocks of " << block;
     }
+  });
+}
+
+// A note under an input with gaps, in which there is also what is not a number. Where nothing can be pushed, it is
+// ignored.
+TYPED_TEST(EveryInstrument, IsPushedTheSameInBlocksOfAnyLength) {
+  constexpr std::size_t kBegin = 50;
+  TestFixture::for_each([](const auto make) {
+    const auto made = make();
+    auto& instrument = *made;
+    instrument.prepare(kRate);
+    std::vector<TypeParam> input(kSamples);
+    for (std::size_t n = kBegin; n < kSamples; ++n)
+      input[n] = n / 700 % 2 == 0 ? static_cast<TypeParam>(std::sin(0.2 * double(n) + 1e-5 * double(n * n))) : 0;
+    input[kBegin + 20] = std::numeric_limits<TypeParam>::quiet_NaN();
+    input[kBegin + 21] = -std::numeric_limits<TypeParam>::infinity();
+    const auto pushed = [&](std::size_t block, std::span<const TypeParam> input) {
+      instrument.reset();
+      return TestFixture::play(
+          instrument, kSamples, block, [](std::size_t) {}, input);
+    };
+    const auto silent = pushed(kSamples, {}), expected = pushed(kSamples, input);
+    if (!(instrument.input_scale_n() > 0)) {
+      EXPECT_EQ(expected, silent);
+      return;
+    }
+    EXPECT_GT(TestFixture::peak(expected[0]), 0);
+    for (std::size_t o = 0; o < expected.size(); ++o) {
+      EXPECT_TRUE(all_finite(expected[o]));
+      EXPECT_EQ(std::vector(expected[o].begin(), expected[o].begin() + kBegin),
+                std::vector(silent[o].begin(), silent[o].begin() + kBegin));
+    }
+    for (const std::size_t block : {1, 7, 64}) EXPECT_EQ(pushed(block, input), expected) << block;
   });
 }
 

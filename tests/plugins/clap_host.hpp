@@ -195,6 +195,18 @@ class ClapPlugin : public HostedPlugin {
     return info.flags;
   }
 
+  [[nodiscard]] bool has_input() override {
+    const auto* const ports = extension<clap_plugin_audio_ports_t>(CLAP_EXT_AUDIO_PORTS);
+    require(ports != nullptr && ports->count(plugin_, false) == 1, "no port");
+    const std::uint32_t inputs = ports->count(plugin_, true);
+    if (inputs == 0) return false;
+    clap_audio_port_info_t info = {};
+    require(inputs == 1 && ports->get(plugin_, 0, true, &info) && info.channel_count == 1 &&
+                (info.flags & CLAP_AUDIO_PORT_IS_MAIN) == 0 && std::string(info.name) == "body",
+            "another input");
+    return true;
+  }
+
   /// The framework has no programs for this format.
   [[nodiscard]] std::vector<std::string> programs() override { return {}; }
   void load_program(std::size_t) override {}
@@ -331,10 +343,12 @@ class ClapPlugin : public HostedPlugin {
     return *state;
   }
 
-  void process(std::array<float*, 2> outputs, std::uint32_t samples) override {
+  void process(float* signal, std::array<float*, 2> outputs, std::uint32_t samples) override {
     clap_audio_buffer_t bus = {outputs.data(), nullptr, 2, 0, 0};
+    const clap_audio_buffer_t input_bus = {&signal, nullptr, 1, 0, 0};
     const auto [input, output] = lists();
-    const clap_process_t block = {-1, samples, nullptr, nullptr, &bus, 0, 1, &input, &output};
+    const clap_process_t block = {-1, samples, nullptr, &input_bus, &bus, signal == nullptr ? 0u : 1u,
+                                  1,  &input,  &output};
     require(plugin_->process(plugin_, &block) != CLAP_PROCESS_ERROR, "process");
     events_.clear();
   }

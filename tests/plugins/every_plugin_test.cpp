@@ -105,6 +105,35 @@ TEST_P(EveryPlugin, PlaysAChordAndAMidiFileAsItsClassDoes) {
   EXPECT_EQ(plugin->locked(), 0u);
 }
 
+// An input under notes, in blocks in which notes begin and parameters change, some of them in place. Without an input
+// there is none to hosts, either.
+TEST_P(EveryPlugin, IsPushedAsItsClassIs) {
+  const auto plugin = open();
+  const auto model = reference();
+  ASSERT_EQ(plugin->has_input(), model->hosted().instrument().input_scale_n() > 0);
+  if (!plugin->has_input()) return;
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> force(-1, 1);
+  HostedPlugin::Sound sound, expected;
+  for (int block = 0; block < 60; ++block) {
+    std::vector<float> input(std::array{256, 1, 1024, 77}[static_cast<std::size_t>(block) % 4]);
+    if (block > 5 && block / 10 % 2 == 0) std::ranges::generate(input, [&] { return force(random); });
+    const std::size_t note = std::min<std::size_t>(block % 5 == 3 ? 40 : 0, input.size());
+    append(expected, model->run(note, input.data()));
+    if (block % 5 == 3 && note == 40) {
+      plugin->send(40, {0x90, 62, 70});
+      model->midi(std::array<std::uint8_t, 3>{0x90, 62, 70});
+    }
+    if (GetParam().format != "lv2" && input.size() > 60) plugin->set("pitch of A4", 440, 60);  // a block of two parts
+    append(expected, model->run(input.size() - note, input.data() + note));
+    append(sound, plugin->run_under(input, block % 2 == 0));
+  }
+  EXPECT_GT(rms(expected[0]), 1e-3);
+  EXPECT_EQ(sound, expected);
+  EXPECT_EQ(plugin->allocated(), 0u);
+  EXPECT_EQ(plugin->locked(), 0u);
+}
+
 TEST(Calls, AreCountedInEveryLibrary) {
   EXPECT_EQ(dlsym(RTLD_DEFAULT, "malloc"), reinterpret_cast<void*>(&std::malloc));
   EXPECT_EQ(dlsym(RTLD_DEFAULT, "pthread_mutex_lock"), reinterpret_cast<void*>(&pthread_mutex_lock));

@@ -75,10 +75,24 @@ class HostedPlugin {
     for (auto& side : sound) side.resize(blocks * length);
     for (std::size_t begin = 0; begin < blocks * length; begin += length) {
       const std::size_t allocations_before = allocations, locks_before = locks;
-      process({sound[0].data() + begin, sound[1].data() + begin}, static_cast<std::uint32_t>(length));
+      process(nullptr, {sound[0].data() + begin, sound[1].data() + begin}, static_cast<std::uint32_t>(length));
       allocated_ += allocations - allocations_before;
       locked_ += locks - locks_before;
     }
+    return sound;
+  }
+
+  /// Has it an audio input? A host of VST3 activates it in this call.
+  [[nodiscard]] virtual bool has_input() = 0;
+
+  /// Plays a block under an input. is_in_place: the array of the input is that of the right side, too.
+  [[nodiscard]] Sound run_under(std::vector<float> input, bool is_in_place) {
+    Sound sound = {std::vector<float>(input.size()), input};
+    const std::size_t allocations_before = allocations, locks_before = locks;
+    process(is_in_place ? sound[1].data() : input.data(), {sound[0].data(), sound[1].data()},
+            static_cast<std::uint32_t>(input.size()));
+    allocated_ += allocations - allocations_before;
+    locked_ += locks - locks_before;
     return sound;
   }
 
@@ -87,8 +101,8 @@ class HostedPlugin {
   [[nodiscard]] std::size_t locked() const { return locked_; }
 
  private:
-  /// Plays a block and forgets the events.
-  virtual void process(std::array<float*, 2> outputs, std::uint32_t samples) = 0;
+  /// Plays a block and forgets the events. input: null where the host has none for it.
+  virtual void process(float* input, std::array<float*, 2> outputs, std::uint32_t samples) = 0;
 
   std::size_t allocated_ = 0, locked_ = 0;
 };

@@ -81,6 +81,18 @@ class Lv2Plugin : public HostedPlugin {
     take(state.get());
   }
 
+  [[nodiscard]] bool has_input() override {
+    const auto is_one = [](const Lv2Port& port) { return port.is_audio && port.is_input; };
+    const auto found = std::ranges::find_if(ports(), is_one);
+    if (found == ports().end()) return false;
+    const Lv2World::Node symbol(lilv_new_string(world_.get(), found->symbol.c_str()), lilv_node_free);
+    if (std::ranges::count_if(ports(), is_one) != 1 || found->name != "body" ||
+        !lilv_port_has_property(plugin_, lilv_plugin_get_port_by_symbol(plugin_, symbol.get()),
+                                world_.uri(LV2_CORE_PREFIX "isSideChain").get()))
+      throw std::runtime_error("LV2: another input");
+    return true;
+  }
+
   [[nodiscard]] const std::vector<Lv2Port>& ports() const { return instance_.ports(); }
 
   /// The library of the window lives as long as the plug-in's object: it may be opened again.
@@ -191,19 +203,24 @@ class Lv2Plugin : public HostedPlugin {
                                   : static_cast<float>(*static_cast<const std::int32_t*>(value)));
   }
 
-  void process(std::array<float*, 2> outputs, std::uint32_t samples) override {
+  void process(float* input, std::array<float*, 2> outputs, std::uint32_t samples) override {
     for (const auto& [name, value] : moves_.take()) instance_.set(name, static_cast<float>(value));
     for (const auto& message : messages_.take()) instance_.send(message);
     std::size_t side = 0;
-    for (std::uint32_t i = 0; i < instance_.ports().size(); ++i)
-      if (instance_.ports()[i].is_audio) lilv_instance_connect_port(instance_.instance(), i, outputs[side++]);
+    for (std::uint32_t i = 0; i < ports().size(); ++i)
+      if (ports()[i].is_audio)
+        lilv_instance_connect_port(instance_.instance(), i,
+                                   !ports()[i].is_input ? outputs[side++]
+                                   : input != nullptr   ? input
+                                                        : silence_.data());
     instance_.advance(samples);
   }
 
   const Lv2World& world_;
   const LilvPlugin* plugin_;
   Lv2Instance instance_;
-  std::map<std::string, State> presets_;  // by URI, in the order of the programs
+  std::map<std::string, State> presets_;                        // by URI, in the order of the programs
+  std::vector<float> silence_ = std::vector<float>(kMaxBlock);  // a host connects every port
   std::unique_ptr<Library> window_library_;
   const LV2UI_Descriptor* window_ = nullptr;
   const LV2UI_Idle_Interface* idle_ = nullptr;

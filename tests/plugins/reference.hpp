@@ -22,7 +22,7 @@ class Reference {
   virtual void midi(std::span<const std::uint8_t> message) = 0;
   [[nodiscard]] virtual Hosted<float>& hosted() = 0;
   /// Left and right at the first value of the plug-in's volume, which is half.
-  [[nodiscard]] virtual HostedPlugin::Sound run(std::size_t samples) = 0;
+  [[nodiscard]] virtual HostedPlugin::Sound run(std::size_t samples, const float* input = nullptr) = 0;
   /// As hosts see them; the plug-in's volume is not among them.
   [[nodiscard]] virtual std::vector<HostedParameter> parameters() const = 0;
   [[nodiscard]] virtual std::vector<HostedParameter> readings() const = 0;
@@ -51,7 +51,7 @@ class ReferenceOf : public Reference {
   void midi(std::span<const std::uint8_t> message) override { hosted_.midi(message); }
   [[nodiscard]] Hosted<float>& hosted() override { return hosted_; }
 
-  [[nodiscard]] HostedPlugin::Sound run(std::size_t samples) override {
+  [[nodiscard]] HostedPlugin::Sound run(std::size_t samples, const float* input = nullptr) override {
     HostedPlugin::Sound sound;
     for (auto& side : sound) side.resize(samples);
     const std::size_t left = output_beginning(instrument().outputs(), "left_", 0);
@@ -63,7 +63,7 @@ class ReferenceOf : public Reference {
     }
     outputs[left] = sound[0].data();
     if (right != left) outputs[right] = sound[1].data();
-    hosted_.process(std::span<float* const>(outputs), samples);
+    hosted_.process<float>(outputs, samples, {}, input);
     if (right == left) sound[1] = sound[0];
     for (auto& side : sound)
       for (float& x : side) x *= 0.5f;

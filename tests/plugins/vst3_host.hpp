@@ -443,6 +443,17 @@ class Vst3Plugin : public HostedPlugin {
     return v3_cpp_obj_query_interface(controller_, id, &found) == V3_OK ? found : nullptr;
   }
 
+  [[nodiscard]] bool has_input() override {
+    const std::int32_t inputs = v3_cpp_obj(component_)->get_bus_count(component_, V3_AUDIO, V3_INPUT);
+    if (inputs == 0) return false;
+    v3_bus_info info = {};
+    check(v3_cpp_obj(component_)->get_bus_info(component_, V3_AUDIO, V3_INPUT, 0, &info));
+    require(inputs == 1 && info.channel_count == 1 && info.bus_type == V3_AUX && text(info.bus_name) == "body",
+            "another input");
+    check(v3_cpp_obj(component_)->activate_bus(component_, V3_AUDIO, V3_INPUT, 0, true));
+    return true;
+  }
+
   /// As hosts list them: by the units of the plug-in.
   [[nodiscard]] std::vector<std::string> programs() override {
     v3_unit_info root = {};
@@ -618,7 +629,7 @@ class Vst3Plugin : public HostedPlugin {
     changes_.changes.push_back(std::make_unique<ParameterChange>(id, time, normalised));
   }
 
-  void process(std::array<float*, 2> outputs, std::uint32_t samples) override {
+  void process(float* signal, std::array<float*, 2> outputs, std::uint32_t samples) override {
     for (const auto& [id, part] : edits_.take()) change(id, 0, part);
     v3_audio_bus_buffers bus = {};
     bus.num_channels = 2;
@@ -627,6 +638,11 @@ class Vst3Plugin : public HostedPlugin {
     data.process_mode = V3_REALTIME;
     data.symbolic_sample_size = V3_SAMPLE_32;
     data.nframes = static_cast<std::int32_t>(samples);
+    v3_audio_bus_buffers input_bus = {};
+    input_bus.num_channels = 1;
+    input_bus.channel_buffers_32 = &signal;
+    data.num_input_buses = signal == nullptr ? 0 : 1;
+    data.inputs = signal == nullptr ? nullptr : &input_bus;
     data.num_output_buses = 1;
     data.outputs = &bus;
     data.input_params = changes_.pointer();

@@ -185,7 +185,8 @@ struct InstrumentForm {
 /// contact has a memory. pressure_rate_hz: sample rate of pressure_taps. holds: empty where nothing is loaded at
 /// rest, with the gaps as they are there. stretch_forms: how bodies stretch from where they rest, by rising body;
 /// stretch_squares: for each form the squares of all modes of its body; stretch_products: of each form. assistance:
-/// the parameter of the bows whose limits are known. license: SPDX identifier.
+/// the parameter of the bows whose limits are known. input_places: that the input pushes, each by its whole force;
+/// input_scale_n: the force that hosts play as 1, 0 without an input. license: SPDX identifier.
 struct InstrumentData {
   const char *name, *description, *license;
   std::span<const double> angular_frequencies, decays, masses;
@@ -217,6 +218,8 @@ struct InstrumentData {
   std::span<const StretchForm::Product> stretch_products = {};
   std::span<const InstrumentBow> bows = {};
   std::size_t assistance = kNoParameter;
+  std::span<const std::size_t> input_places = {};
+  double input_scale_n = 0;
 
   [[nodiscard]] std::size_t modes_of(std::size_t body) const {
     return body_ends[body] - (body == 0 ? 0 : body_ends[body - 1]);

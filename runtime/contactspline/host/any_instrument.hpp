@@ -45,7 +45,8 @@ class AnyInstrument {
   virtual void prepare(double sample_rate_hz) = 0;
   /// Does what an event says, now; its time does not count.
   virtual void play(const TimedEvent& event) = 0;
-  virtual void process(Outputs<T> outputs, std::span<T> force) = 0;
+  /// input: a force on the body over each sample [N], or empty.
+  virtual void process(Outputs<T> outputs, std::span<T> force, std::span<const T> input = {}) = 0;
   virtual void reset() = 0;
 
   [[nodiscard]] virtual double value(std::size_t parameter) const = 0;
@@ -53,6 +54,7 @@ class AnyInstrument {
   [[nodiscard]] virtual bool is_at_rest(double limit_j) const = 0;  ///< false where the instrument does not say
   [[nodiscard]] virtual bool sleeps() const = 0;                    ///< is it silent until it is played?
   [[nodiscard]] virtual Books books() const = 0;
+  [[nodiscard]] virtual double input_scale_n() const { return 0; }  ///< 0: it has no input
   /// Does another instrument wait to take its place at the next event or block?
   [[nodiscard]] virtual bool has_next() const { return false; }
 
@@ -138,7 +140,9 @@ class InstrumentBehind final : public AnyInstrument<typename I::value_type> {
         return change_key(event, key);
     }
   }
-  void process(Outputs<T> outputs, std::span<T> force) override { instrument_.process(outputs, force); }
+  void process(Outputs<T> outputs, std::span<T> force, std::span<const T> input = {}) override {
+    process_under(instrument_, outputs, force, input);
+  }
   void reset() override { instrument_.reset(); }
 
   [[nodiscard]] double value(std::size_t parameter) const override { return instrument_.value(parameter); }
@@ -149,6 +153,7 @@ class InstrumentBehind final : public AnyInstrument<typename I::value_type> {
     else
       return false;
   }
+  [[nodiscard]] double input_scale_n() const override { return input_scale_of(instrument_); }
   [[nodiscard]] bool sleeps() const override {
     return requires {
       I::kSleeps;

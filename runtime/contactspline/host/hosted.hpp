@@ -156,14 +156,16 @@ class Hosted {
   }
 
   /// Advances a block, also where nobody wants an output. outputs: one array for each output, null for one that
-  /// nobody wants; full scale is 1. force: unless it is empty, so many contact forces are written [N].
+  /// nobody wants; full scale is 1. force: unless it is empty, so many contact forces are written [N]. input: null,
+  /// or pushes the body, where the instrument has an input; full scale is 1. It may be the array of an output.
   template <typename Sample>
-  void process(std::span<Sample* const> outputs, std::size_t samples, std::span<T> force = {}) {
+  void process(std::span<Sample* const> outputs, std::size_t samples, std::span<T> force = {},
+               const Sample* input = nullptr) {
     const FlushDenormals flushed;
     is_new_ = false;
     for (std::size_t done = 0; done < samples;) {
       const std::size_t length = glide() ? 1 : (std::min)(samples - done, kBlock);
-      play(outputs, done, length, detail::part_of(force, done, length));
+      play(outputs, done, length, detail::part_of(force, done, length), in_newtons(input, done, length));
       done += length;
     }
   }
@@ -282,11 +284,21 @@ class Hosted {
   }
 
   template <typename Sample>
-  void play(std::span<Sample* const> outputs, std::size_t begin, std::size_t samples, std::span<T> force) {
+  [[nodiscard]] std::span<const T> in_newtons(const Sample* input, std::size_t begin, std::size_t samples) {
+    const double full_scale_n = instrument().input_scale_n();
+    if (input == nullptr || !(full_scale_n > 0)) return {};
+    std::transform(input + begin, input + begin + samples, input_.begin(),
+                   [&](Sample sample) { return static_cast<T>(full_scale_n * static_cast<double>(sample)); });
+    return std::span(input_).first(samples);
+  }
+
+  template <typename Sample>
+  void play(std::span<Sample* const> outputs, std::size_t begin, std::size_t samples, std::span<T> force,
+            std::span<const T> input) {
     const auto is_wanted = [&](std::size_t o) { return o < outputs.size() && outputs[o] != nullptr; };
     for (std::size_t o = 0; o < outputs_.size(); ++o)
       outputs_[o] = is_wanted(o) ? std::span(scratch_[o]).first(samples) : std::span<T>();
-    sleeper_.process(outputs_, force, samples);
+    sleeper_.process(outputs_, force, samples, input);
     for (std::size_t o = 0; o < outputs_.size(); ++o) {
       const T scale = static_cast<T>(instrument().outputs()[o].full_scale);
       for (std::size_t n = 0; is_wanted(o) && n < samples; ++n)
@@ -318,6 +330,7 @@ class Hosted {
   std::vector<bool> buttons_;         // that are down
   std::vector<std::span<T>> outputs_;
   std::vector<std::array<T, kBlock>> scratch_;
+  std::array<T, kBlock> input_;
   bool is_gliding_ = false;
   bool is_new_ = true;  // nothing has sounded since the reset: parameters jump
 };

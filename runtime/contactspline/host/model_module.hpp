@@ -14,7 +14,7 @@
 namespace contactspline {
 
 /// The layout of AnyInstrument and of the lists. Raise it with every change of theirs.
-inline constexpr int kModelModuleLayout = 2;
+inline constexpr int kModelModuleLayout = 3;
 
 /// What such a library gives. The first three say what it was built with. One of the two functions is not null: the
 /// one in the precision of the class.

@@ -18,8 +18,9 @@
 namespace contactspline {
 
 /// Plays an instrument at 2, 4 or 8 times the rate of its host. Its outputs come through a Decimator, latency()
-/// samples late, and so does the force, of which each sample tells the largest of those that it stands for. Books and
-/// values are those of the instrument, now. The constructor and prepare() allocate, nothing else.
+/// samples late, and so does the force, of which each sample tells the largest of those that it stands for. Its input
+/// is held over each sample of the host, which is what a force over a sample means. Books and values are those of the
+/// instrument, now. The constructor and prepare() allocate, nothing else.
 template <std::floating_point T>
 class Oversampled final : public AnyInstrument<T> {
  public:
@@ -32,6 +33,7 @@ class Oversampled final : public AnyInstrument<T> {
         scratch_(decimators_.size(), std::vector<T>(kBlock * factor_)),
         finer_(decimators_.size()),
         forces_(kBlock * factor_),
+        inputs_(kBlock * factor_),
         late_forces_(latency_) {}
 
   [[nodiscard]] std::size_t latency() const { return latency_; }  ///< [samples]
@@ -57,12 +59,12 @@ class Oversampled final : public AnyInstrument<T> {
     instrument_->reset();
     drop_sound();
   }
-  void process(Outputs<T> outputs, std::span<T> force) override {
+  void process(Outputs<T> outputs, std::span<T> force, std::span<const T> input = {}) override {
     std::size_t samples = force.size();
     for (const std::span<T> output : outputs) samples = (std::max)(samples, output.size());
     for (std::size_t done = 0; done < samples;) {
       const std::size_t length = (std::min)(samples - done, kBlock);
-      process_block(outputs, force, done, length);
+      process_block(outputs, force, input, done, length);
       done += length;
     }
   }
@@ -70,6 +72,7 @@ class Oversampled final : public AnyInstrument<T> {
   [[nodiscard]] double value(std::size_t parameter) const override { return instrument_->value(parameter); }
   [[nodiscard]] bool is_silent(double limit_j) const override { return instrument_->is_silent(limit_j); }
   [[nodiscard]] bool is_at_rest(double limit_j) const override { return instrument_->is_at_rest(limit_j); }
+  [[nodiscard]] double input_scale_n() const override { return instrument_->input_scale_n(); }
   [[nodiscard]] bool sleeps() const override { return instrument_->sleeps(); }
   [[nodiscard]] Books books() const override { return instrument_->books(); }
   [[nodiscard]] bool has_next() const override { return instrument_->has_next(); }
@@ -77,12 +80,14 @@ class Oversampled final : public AnyInstrument<T> {
  private:
   static constexpr std::size_t kBlock = 64;  // samples of the host
 
-  void process_block(Outputs<T> outputs, std::span<T> force, std::size_t done, std::size_t length) {
+  void process_block(Outputs<T> outputs, std::span<T> force, std::span<const T> input, std::size_t done,
+                     std::size_t length) {
     const std::size_t finer = length * factor_;
     for (std::size_t o = 0; o < finer_.size(); ++o)
       finer_[o] = o < outputs.size() && !outputs[o].empty() ? std::span(scratch_[o]).first(finer) : std::span<T>();
     const auto forces = std::span(forces_).first(finer);
-    instrument_->process(finer_, forces);
+    for (std::size_t n = 0; n < (input.empty() ? 0 : finer); ++n) inputs_[n] = input[done + n / factor_];
+    instrument_->process(finer_, forces, std::span<const T>(inputs_).first(input.empty() ? 0 : finer));
     for (std::size_t o = 0; o < finer_.size(); ++o)
       finer_[o].empty() ? decimators_[o].reset()
                         : decimators_[o].process(finer_[o], outputs[o].subspan(done, length));
@@ -111,7 +116,7 @@ class Oversampled final : public AnyInstrument<T> {
   std::vector<Decimator<T>> decimators_;  // of the outputs
   std::vector<std::vector<T>> scratch_;
   std::vector<std::span<T>> finer_;
-  std::vector<T> forces_, late_forces_;
+  std::vector<T> forces_, inputs_, late_forces_;
   std::size_t at_ = 0;  // the oldest of late_forces_
 };
 

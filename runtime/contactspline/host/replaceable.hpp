@@ -30,8 +30,8 @@ namespace contactspline {
 /// Keys that are held are held in the old one only: the new one plays what begins from then on. The lists stay those
 /// of the first instrument, which lives as long as this. The others are played by the names that they share with it:
 /// parameters that have been set keep their values, outputs that are missing are 0. A parameter that has not been set
-/// has the first value of the new instrument. The constructor, prepare() and offer() allocate, nothing else; only
-/// they and the destructor delete. No lock.
+/// has the first value of the new instrument. An input pushes all that have one, by the full scale of the first. The
+/// constructor, prepare() and offer() allocate, nothing else; only they and the destructor delete. No lock.
 template <std::floating_point T>
 class Replaceable final : public AnyInstrument<T> {
  public:
@@ -93,18 +93,19 @@ class Replaceable final : public AnyInstrument<T> {
     if (const auto own = now_->own_event(event)) now_->handle->play(*own);
   }
 
-  void process(Outputs<T> outputs, std::span<T> force) override {
+  void process(Outputs<T> outputs, std::span<T> force, std::span<const T> input = {}) override {
     take();
     has_sounded_ = true;
     std::size_t samples = force.size(), done = 0;
     for (const std::span<T> output : outputs) samples = (std::max)(samples, output.size());
     while (old_ != nullptr && done < samples) {
       const std::size_t length = (std::min)({samples - done, kBlock, fade_ - faded_});
-      mix(outputs, force, done, length);
+      mix(outputs, force, input, done, length);
       done += length;
     }
-    if (done == 0) return now_->process(outputs, force);
-    if (done < samples) now_->process(part_of(outputs, done, samples - done), part_of(force, done, samples - done));
+    if (done == 0) return now_->process(outputs, force, input);
+    const std::size_t rest = samples - done;
+    if (rest > 0) now_->process(part_of(outputs, done, rest), part_of(force, done, rest), part_of(input, done, rest));
   }
 
   void reset() override {
@@ -126,6 +127,7 @@ class Replaceable final : public AnyInstrument<T> {
   [[nodiscard]] bool is_at_rest(double limit_j) const override {
     return old_ == nullptr && now_->handle->is_at_rest(limit_j);
   }
+  [[nodiscard]] double input_scale_n() const override { return first().input_scale_n(); }
   [[nodiscard]] bool sleeps() const override { return first().sleeps(); }
   [[nodiscard]] Books books() const override { return now_->handle->books(); }
   [[nodiscard]] bool has_next() const override { return offered_.load(std::memory_order_relaxed) != nullptr; }
@@ -179,7 +181,7 @@ class Replaceable final : public AnyInstrument<T> {
       return event;
     }
 
-    void process(Outputs<T> wanted, std::span<T> force) {
+    void process(Outputs<T> wanted, std::span<T> force, std::span<const T> input) {
       std::size_t samples = force.size();
       std::ranges::fill(spans, std::span<T>());
       bool is_any = !force.empty();
@@ -192,11 +194,12 @@ class Replaceable final : public AnyInstrument<T> {
           is_any |= !wanted[o].empty();
         }
       }
-      if (is_any) return handle->process(spans, force);
+      if (is_any) return handle->process(spans, force, input);
       // It advances by the length of its outputs: where it has none of those that are wanted, it writes the first.
       for (std::size_t done = 0; done < samples; done += kBlock) {
-        spans.front() = std::span(unwanted).first((std::min)(kBlock, samples - done));
-        handle->process(spans, force);
+        const std::size_t length = (std::min)(kBlock, samples - done);
+        spans.front() = std::span(unwanted).first(length);
+        handle->process(spans, force, part_of(input, done, length));
       }
     }
 
@@ -255,14 +258,15 @@ class Replaceable final : public AnyInstrument<T> {
   }
 
   // Advances both by at most kBlock samples.
-  void mix(Outputs<T> outputs, std::span<T> force, std::size_t done, std::size_t length) {
+  void mix(Outputs<T> outputs, std::span<T> force, std::span<const T> input, std::size_t done, std::size_t length) {
     const Outputs<T> wanted = part_of(outputs, done, length);
     const std::span<T> wanted_force = part_of(force, done, length);
-    now_->process(wanted, wanted_force);
+    input = part_of(input, done, length);
+    now_->process(wanted, wanted_force, input);
     for (std::size_t o = 0; o < fading_.size(); ++o)
       fading_[o] = o < wanted.size() && !wanted[o].empty() ? std::span(scratch_[o]).first(length) : std::span<T>();
     const std::span<T> fading_force = std::span(scratch_force_).first(wanted_force.size());
-    old_->process(fading_, fading_force);
+    old_->process(fading_, fading_force, input);
     for (std::size_t n = 0; n < length; ++n) {
       const double x = static_cast<double>(++faded_) / static_cast<double>(fade_);
       const T old_part = static_cast<T>(1 - x * x * (3 - 2 * x));
@@ -274,7 +278,8 @@ class Replaceable final : public AnyInstrument<T> {
     if (faded_ == fade_) end_fade();
   }
 
-  static std::span<T> part_of(std::span<T> all, std::size_t begin, std::size_t length) {
+  template <typename X>
+  static std::span<X> part_of(std::span<X> all, std::size_t begin, std::size_t length) {
     return all.empty() ? all : all.subspan(begin, length);
   }
   Outputs<T> part_of(Outputs<T> outputs, std::size_t begin, std::size_t length) {

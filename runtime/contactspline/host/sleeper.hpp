@@ -18,12 +18,14 @@
 #include "contactspline/host/any_instrument.hpp"
 #include "contactspline/instrument/instrument.hpp"
 #include "contactspline/instrument/played_by_events.hpp"
+#include "contactspline/instrument/string_outputs.hpp"
+#include "contactspline/step/first_push.hpp"
 
 namespace contactspline {
 
 /// Plays an instrument and computes nothing while it rests. One that is silent falls asleep: its outputs are exactly
-/// 0 until an event, a new value of a parameter or another instrument (replaceable.hpp) wakes it. One that rests
-/// under a load, as a slide does that a hand presses, falls asleep too: its outputs stay where they are. The
+/// 0 until an event, a new value of a parameter, an input or another instrument (replaceable.hpp) wakes it. One that
+/// rests under a load, as a slide does that a hand presses, falls asleep too: its outputs stay where they are. The
 /// constructor and prepare() allocate, nothing else.
 template <std::floating_point T>
 class Sleeper {
@@ -56,16 +58,17 @@ class Sleeper {
   }
 
   /// Advances a block. outputs: a span of the block's length for each output, empty for one that nobody wants; force:
-  /// the same for the sum of the contact forces [N].
-  void process(Outputs<T> outputs, std::span<T> force, std::size_t samples) {
+  /// the same for the sum of the contact forces [N]; input: a force on the body over each sample [N], or empty.
+  void process(Outputs<T> outputs, std::span<T> force, std::size_t samples, std::span<const T> input = {}) {
+    if (!(instrument_->input_scale_n() > 0)) input = {};
     const bool is_any_wanted =
         !force.empty() || std::ranges::any_of(outputs, [](std::span<T> output) { return !output.empty(); });
-    if (is_any_wanted) return process_wanted(outputs, force, samples);
+    if (is_any_wanted) return process_wanted(outputs, force, samples, input);
     // An instrument advances by the length of its outputs: where nobody wants one, it writes the first.
     for (std::size_t done = 0; done < samples; done += kBlock) {
       const std::size_t length = (std::min)(samples - done, kBlock);
       wanted_.front() = std::span(unwanted_).first(length);
-      process_wanted(wanted_, {}, length);
+      process_wanted(wanted_, {}, length, detail::part_of(input, done, length));
     }
   }
 
@@ -93,12 +96,14 @@ class Sleeper {
     return instrument_->value(event.number);
   }
 
-  void process_wanted(Outputs<T> outputs, std::span<T> force, std::size_t samples) {
-    if (is_asleep_ && (instrument_->has_next() || !stay(outputs, force))) wake();
+  void process_wanted(Outputs<T> outputs, std::span<T> force, std::size_t samples, std::span<const T> input) {
+    const bool is_pushed = first_push(input) < input.size();
+    if (is_asleep_ && (is_pushed || instrument_->has_next() || !stay(outputs, force))) wake();
     if (is_asleep_) return;
-    instrument_->process(outputs, force);
+    instrument_->process(outputs, force, input);
     force_ = force.empty() ? std::nullopt : std::optional(force.back());
     since_check_ += samples;
+    if (is_pushed) return wake();
     // An energy is a sum over all modes: it is looked at once in a block.
     if (since_check_ >= kBlock) go_to_sleep(outputs);
   }

@@ -34,7 +34,9 @@ using Outputs = std::span<const std::span<T>>;
 /// is_silent(limit)          does nothing move on its own, and is the energy below a limit [J]?
 /// energy()                  stored [J]
 /// It may also have is_at_rest(limit): do loads hold all still, but for a kinetic energy below a limit [J]? And
-/// event_of(key): the event that a key of MIDI plays, if it plays one; or, without events, has_key(key).
+/// event_of(key): the event that a key of MIDI plays, if it plays one; or, without events, has_key(key). And an
+/// input, process(outputs, force, input): a force on its body over each sample [N], an empty span for none; and
+/// input_scale_n(): the force that hosts play as 1 [N].
 template <typename I>
 concept Instrument = std::floating_point<typename I::value_type> &&
     requires(I& i, const I& c, typename I::value_type x, Outputs<typename I::value_type> outputs,
@@ -71,6 +73,26 @@ template <Instrument I>
     return instrument.license();
   else
     return "MIT";
+}
+
+/// Full scale of the input of an instrument [N]; 0: it has none.
+template <Instrument I>
+[[nodiscard]] double input_scale_of(const I& instrument) {
+  if constexpr (requires { instrument.input_scale_n(); })
+    return instrument.input_scale_n();
+  else
+    return 0;
+}
+
+/// Advances a block of an instrument under a force on its body [N], of a block's length or empty. One without an
+/// input ignores it.
+template <Instrument I>
+void process_under(I& instrument, Outputs<typename I::value_type> outputs, std::span<typename I::value_type> force,
+                   [[maybe_unused]] std::span<const typename I::value_type> input) {
+  if constexpr (requires { instrument.process(outputs, force, input); })
+    instrument.process(outputs, force, input);
+  else
+    instrument.process(outputs, force);
 }
 
 /// The event that a key of MIDI plays, if the instrument knows it.

@@ -52,6 +52,8 @@ class PedaledKeyboard : public KeyboardOnBody<T>, public KeyboardParameter {
   static std::span<const Event> events() { return {}; }
   [[nodiscard]] std::span<const Output> outputs() const { return parts_->has_ears ? kPressureOutputs : kOutputs; }
   [[nodiscard]] std::span<const Preset> presets() const { return parts_->presets; }
+  /// The input pushes the bridge, 1 by the force that an output of a force plays as 1.
+  [[nodiscard]] static double input_scale_n() { return 50; }
 
   /// Brings it to rest at a sample rate; parameters stay. Allocates.
   void prepare(double sample_rate_hz) {
@@ -102,7 +104,7 @@ class PedaledKeyboard : public KeyboardOnBody<T>, public KeyboardParameter {
   }
 
   using KeyboardOnBody<T>::process;
-  void process(Outputs<T> outputs, std::span<T> force = {}) {
+  void process(Outputs<T> outputs, std::span<T> force = {}, std::span<const T> input = {}) {
     constexpr std::size_t kBlock = 256;
     std::array<T, kBlock> left_scratch, right_scratch;
     const std::size_t length = detail::block_length<T>(outputs, force);
@@ -112,7 +114,8 @@ class PedaledKeyboard : public KeyboardOnBody<T>, public KeyboardParameter {
         return output < outputs.size() && !outputs[output].empty() ? outputs[output].subspan(done, samples)
                                                                    : std::span<T>(otherwise).first(samples);
       };
-      process(part(0, left_scratch), part(1, right_scratch), detail::part_of(force, done, samples));
+      process(part(0, left_scratch), part(1, right_scratch), detail::part_of(force, done, samples),
+              detail::part_of(input, done, samples));
     }
   }
 

@@ -67,6 +67,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
   [[nodiscard]] std::span<const Event> events() const { return data_.events; }
   [[nodiscard]] std::span<const Output> outputs() const { return data_.outputs; }
   [[nodiscard]] std::span<const Preset> presets() const { return presets_; }
+  [[nodiscard]] double input_scale_n() const { return data_.input_scale_n; }
   [[nodiscard]] const KeyedData& keyed() const { return data_.keyed; }
 
   /// Brings all bodies to rest at a sample rate; allocates. All below is safe on an audio thread.
@@ -154,9 +155,10 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     tuning_.tune(cents, string);
   }
 
-  /// Advances one sample. Safe on an audio thread: no allocation, no lock, bounded time.
-  void tick() {
-    if (in_double_) return in_double_->tick();
+  /// Advances one sample, in which an input pushes its places [N], -1000 to 1000; not a number: it does not. Safe on
+  /// an audio thread: no allocation, no lock, bounded time.
+  void tick(T input_n = 0) {
+    if (in_double_) return in_double_->tick(double(input_n));
     work_of_strikes_ += strikes_.stop_the_distant(*network_);
     if (tuning_.is_tunable()) follow_tuning();
     damper_->follow(*network_);
@@ -164,17 +166,19 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     work_of_strikes_ = 0;
     for (const auto& [place, force_n] : data_.holds) network_->hold(place, static_cast<T>(force_n));
     for (const std::size_t control : pushing_) push(control);
+    for (const std::size_t place : data_.input_places) network_->push(place, input_n);
     for (std::size_t b = 0; b < strokes_.size(); ++b)
       if (strokes_[b].is_active()) stroke(b);
     network_->tick();
     pickups_.follow(*network_);
   }
 
-  /// Advances a block and writes the outputs, each over its sample [m], [m/s], [N] or [Pa]; `force`: contact_force().
-  void process(Outputs<T> outputs, std::span<T> force = {}) {
+  /// Advances a block and writes the outputs, each over its sample [m], [m/s], [N] or [Pa]; `force`: contact_force();
+  /// `input`: of tick(), or empty.
+  void process(Outputs<T> outputs, std::span<T> force = {}, std::span<const T> input = {}) {
     const std::size_t length = detail::block_length<T>(outputs, force);
     for (std::size_t n = 0; n < length; ++n) {
-      tick();
+      tick(input.empty() ? T(0) : input[n]);
       for (std::size_t o = 0; o < outputs.size(); ++o)
         if (!outputs[o].empty()) outputs[o][n] = output(o);
       if (!force.empty()) force[n] = contact_force();

@@ -22,6 +22,7 @@
 #include "contactspline/instrument/instrument.hpp"
 #include "contactspline/instrument/played_by_events.hpp"
 #include "contactspline/instrument/string_outputs.hpp"
+#include "contactspline/step/first_push.hpp"
 
 namespace contactspline {
 
@@ -37,7 +38,8 @@ concept KeyedInstrument = Instrument<I> && requires(I& i, const I& c) {
 /// Plays the keys of an instrument on so many copies of it as it has voices; the outputs are their sums. A key takes
 /// the voice that it had last; else one that is silent, the one that was released first, or the one that was struck
 /// first. An event without a key plays on a voice with the pitch of the file. A bow is down while a key of its event
-/// is held; where several are, the last of them tunes the string. Meets Instrument.
+/// is held; where several are, the last of them tunes the string. An input pushes the first voice alone. Meets
+/// Instrument.
 template <KeyedInstrument I>
 class Voices {
   using T = typename I::value_type;
@@ -72,6 +74,7 @@ class Voices {
   [[nodiscard]] std::span<const Output> outputs() const { return first().outputs(); }
   [[nodiscard]] std::span<const Preset> presets() const { return first().presets(); }
   [[nodiscard]] const KeyedData& keyed() const { return first().keyed(); }
+  [[nodiscard]] double input_scale_n() const { return input_scale_of(first()); }
 
   /// Brings all voices to rest at a sample rate; allocates. All below is safe on an audio thread.
   void prepare(double sample_rate_hz) {
@@ -176,17 +179,22 @@ class Voices {
     take_as_in_file(player).instrument.bow(number, acceleration_m_per_s2);
   }
 
-  void process(Outputs<T> outputs, std::span<T> force = {}) {
+  void process(Outputs<T> outputs, std::span<T> force = {}, std::span<const T> input = {}) {
     const std::size_t length = detail::block_length<T>(outputs, force);
     for (const std::span<T> output : outputs) std::ranges::fill(output, T(0));
     std::ranges::fill(force, T(0));
-    for (Voice& voice : voices_)
-      for (std::size_t done = 0; done < length && !voice.is_asleep;) {
+    if (!(input_scale_n() > 0)) input = {};
+    for (Voice& voice : voices_) {
+      for (std::size_t done = 0; done < length;) {
+        if (voice.is_asleep && (done += until_push(input, done)) >= length) break;
+        if (voice.is_asleep) voice.wake();
         const std::size_t samples = (std::min)({length - done, kBlock, voice.until_look, until_move(voice)});
-        add(voice, outputs, force, done, samples);
+        add(voice, outputs, force, input, done, samples);
         voice.advance(samples);
         done += samples;
       }
+      input = {};
+    }
   }
 
   /// Advances samples.size() samples and writes one output. output: 0 to the number of outputs - 1.
@@ -474,11 +482,13 @@ class Voices {
   }
 
   // Adds a part of a block of one voice.
-  void add(Voice& voice, Outputs<T> outputs, std::span<T> force, std::size_t begin, std::size_t samples) {
+  void add(Voice& voice, Outputs<T> outputs, std::span<T> force, std::span<const T> input, std::size_t begin,
+           std::size_t samples) {
     for (std::size_t o = 0; o < outputs.size(); ++o)
       parts_[o] = outputs[o].empty() ? std::span<T>() : std::span(unmixed_[o]).first(samples);
     const auto forces = std::span(unmixed_force_).first(samples);
-    voice.instrument.process(std::span(parts_).first(outputs.size()), forces);
+    process_under<I>(voice.instrument, std::span(parts_).first(outputs.size()), forces,
+                     detail::part_of(input, begin, samples));
     for (std::size_t o = 0; o < outputs.size(); ++o) {
       const std::span<T> sum = outputs[o].empty() ? std::span<T>() : outputs[o].subspan(begin, samples);
       if (voice.gains == voice.wanted && voice.gains == Gains{})
@@ -489,6 +499,11 @@ class Voices {
     voice.gains = after(voice, samples);
     voice.has_sounded = true;
     for (std::size_t n = 0; n < (force.empty() ? 0 : samples); ++n) force[begin + n] += forces[n];
+  }
+
+  // Samples from one on until an input pushes, or until it ends; of none more than any block has.
+  static std::size_t until_push(std::span<const T> input, std::size_t begin) {
+    return input.empty() ? std::size_t(-1) / 2 : first_push(input.subspan(begin));
   }
 
   // Which of the gains is that of an output.

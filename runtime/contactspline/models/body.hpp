@@ -62,7 +62,8 @@ class Body {
   /// next one.
   [[nodiscard]] T displacement(std::size_t place = 0) const { return places_[place].displacement; }
   [[nodiscard]] T change(std::size_t place = 0) const { return places_[place].change; }
-  /// What acted on the body at a place over the last sample [N]: the strings' force less that of their stiffness.
+  /// What acted on the body at a place over the last sample [N]: pushes, and the strings' force less that of their
+  /// stiffness.
   [[nodiscard]] T force(std::size_t place = 0) const { return places_[place].acted_n; }
 
   /// Modes of strings join between two samples: the stiffness that they add [N/m] (HammerString::follow), whose ends
@@ -85,6 +86,10 @@ class Body {
     if (knock_.size() > 0) knock_n_ += sample_rate_hz_ * held(T(0), impulse_n_s, {T(-1e3), T(1e3)});
   }
 
+  /// A force that pushes the bridge during the next sample, as well as the strings [N], -1000 to 1000, by equal parts
+  /// at all its places. Several add up. One that is not a number does nothing.
+  void push(T force_n) { push_n_ += held(T(0), force_n, ControlRanges<T>::force_n) / static_cast<T>(places_.size()); }
+
   /// Advances one sample under the force of the strings on the bridge [N], taken after their sample: the sum of shape
   /// times modal displacement, -1e6 to 1e6. A force that is not a number counts as the last one. Of a body of one
   /// place. Safe in an audio thread.
@@ -93,14 +98,14 @@ class Body {
   /// The same with a force for each place.
   void tick(std::span<const T> forces_n) {
     if (!std::exchange(is_factored_, true)) factor();
-    const T knock_n = std::exchange(knock_n_, T(0));
+    const T knock_n = std::exchange(knock_n_, T(0)), push_n = std::exchange(push_n_, T(0));
     const std::size_t places = places_.size();
     // The forces are pull - half change, where the change is the free one plus admittance times the forces.
     T forces[kMaxPlaces + 1], changes[kMaxPlaces];
     for (std::size_t p = 0; p < places; ++p) {
       Place& place = places_[p];
       place.force_n = held(place.force_n, forces_n[p], ControlRanges<T>::bridge_force_n);
-      const T pull = place.force_n - static_cast<T>(place.stiffness.ends) * place.displacement;
+      const T pull = place.force_n + push_n - static_cast<T>(place.stiffness.ends) * place.displacement;
       changes[p] = free_increments_[p] + place.knock_admittance * knock_n;
       forces[p] = pull - place.half_n_per_m * changes[p];
     }
@@ -142,7 +147,7 @@ class Body {
       place.displacement = place.change = place.force_n = place.acted_n = 0;
     }
     free_increments_ = {};
-    knock_n_ = 0;
+    knock_n_ = push_n_ = 0;
     next_ = 0;
     is_factored_ = false;
   }
@@ -187,7 +192,7 @@ class Body {
   detail::BridgeLoad<T> load_;
   std::vector<Place> places_;
   std::array<T, kMaxPlaces> free_increments_{};  // of the bridge at each place, over the next sample
-  T knock_n_ = 0;                                // in the next sample
+  T knock_n_ = 0, push_n_ = 0;                   // in the next sample, the push at each place
   std::size_t next_ = 0;                         // place that takes its displacement from the modes
   bool is_factored_ = false;                     // does load_ hold the stiffness of all places?
 };

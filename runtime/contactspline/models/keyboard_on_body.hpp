@@ -17,6 +17,7 @@
 #include "contactspline/models/key_on_body.hpp"
 #include "contactspline/models/keys_on_bridge.hpp"
 #include "contactspline/step/controls.hpp"
+#include "contactspline/step/first_push.hpp"
 #include "contactspline/step/flush_denormals.hpp"
 
 namespace contactspline {
@@ -133,18 +134,26 @@ class KeyboardOnBody {
       key.damper.finish();
     }
     clock_ = next_check_ = 0;
+    checks_since_push_ = kLongAgo;
     reset_body();
     for (Key& key : bridge_.keys()) follow_bend(key);  // at once: nothing sounds
   }
 
   /// Advances left.size() samples and writes what each ear hears; both spans must have the same size. The sound
   /// does not depend on where blocks are cut. force: unless it is empty, the largest contact force of any key [N].
-  void process(std::span<T> left, std::span<T> right, std::span<T> force = {}) {
+  /// input: unless it is empty, a force on the bridge [N], -1000 to 1000, in equal parts at all its places. Strings
+  /// without a damper on them follow it from the first push on.
+  void process(std::span<T> left, std::span<T> right, std::span<T> force = {}, std::span<const T> input = {}) {
     const FlushDenormals flushed;
     for (std::size_t done = 0; done < left.size();) {
-      const std::size_t samples = (std::min)(left.size() - done, kCheckInterval - clock_);
+      std::size_t samples = (std::min)(left.size() - done, kCheckInterval - clock_);
+      if (const std::size_t faint = faint_samples(input, done, samples); faint > 0)
+        samples = faint;
+      else
+        begin_push();
       process_steady(left.subspan(done, samples), right.subspan(done, samples),
-                     force.empty() ? force : force.subspan(done, samples));
+                     force.empty() ? force : force.subspan(done, samples),
+                     input.empty() ? input : input.subspan(done, samples));
       done += samples;
     }
   }
@@ -155,7 +164,7 @@ class KeyboardOnBody {
     for (std::size_t done = 0; done < out.size();) {
       const std::size_t samples = (std::min)(out.size() - done, kCheckInterval - clock_);
       const auto left = out.subspan(done, samples), right = std::span(other).first(samples);
-      process_steady(left, right, {});
+      process_steady(left, right, {}, {});
       for (std::size_t n = 0; n < samples; ++n) left[n] = (left[n] + right[n]) / 2;
       done += samples;
     }
@@ -194,12 +203,27 @@ class KeyboardOnBody {
   // What may leave, as a fraction of all energy: of a key that is damped, and of one that rings.
   static constexpr double kDampedFraction = 1e-7, kRingingFraction = 1e-12;
   static constexpr double kBodySilence_j = 1e-17;
+  static constexpr std::size_t kLongAgo = ~std::size_t(0);
 
   [[nodiscard]] bool is_lifted(const Key& key) const {
     return !key.has_damper || key.is_down || key.is_held || sustain_ > 0;
   }
   void move_damper(Key& key, double pace = 1) {
     key.damper.move_to(key.is_down || key.is_held ? 0 : 1 - sustain_, pace);
+  }
+
+  // Samples of a part of an input before it pushes; all where there is none.
+  static std::size_t faint_samples(std::span<const T> input, std::size_t begin, std::size_t samples) {
+    return input.empty() ? samples : first_push(input.subspan(begin, samples));
+  }
+
+  // Has the input pushed since the last round of checks? Until then strings without a damper stay at the bridge.
+  [[nodiscard]] bool is_pushed() const { return checks_since_push_ <= keys(); }
+  void begin_push() {
+    const bool wakes = !sounds_ || !is_pushed();
+    checks_since_push_ = 0;
+    sounds_ = true;
+    if (wakes) wake_lifted();
   }
 
   // Whatever has no damper on it rings in sympathy.
@@ -216,7 +240,7 @@ class KeyboardOnBody {
   void follow_bend(Key& key) { bridge_.follow_bend(key, static_cast<double>(samples_) * time_step_s_); }
 
   // A block in which no key joins or leaves.
-  void process_steady(std::span<T> left, std::span<T> right, std::span<T> force) {
+  void process_steady(std::span<T> left, std::span<T> right, std::span<T> force, std::span<const T> input) {
     if (!sounds_) {
       std::ranges::fill(left, T(0));
       std::ranges::fill(right, T(0));
@@ -228,14 +252,17 @@ class KeyboardOnBody {
     while (!left.empty()) {
       std::size_t samples = left.size();
       for (const std::size_t key : bridge_.awake()) samples = (std::min)(samples, bridge_.key(key).damper.samples());
-      bridge_.process(left.first(samples), right.first(samples), force.empty() ? force : force.first(samples));
+      bridge_.process(left.first(samples), right.first(samples), force.empty() ? force : force.first(samples),
+                      input.empty() ? input : input.first(samples));
       for (const std::size_t key : bridge_.awake()) bridge_.key(key).damper.advance(samples);
       left = left.subspan(samples);
       right = right.subspan(samples);
       if (!force.empty()) force = force.subspan(samples);
+      if (!input.empty()) input = input.subspan(samples);
     }
     if (clock_ == kCheckInterval) {
       clock_ = 0;
+      checks_since_push_ += is_pushed();
       for (const std::size_t key : bridge_.awake())
         bridge_.key(key).is_struck = bridge_.key(key).model.is_hammer_flying();
       if (++checks_since_bends_ == kChecksOfBends) {
@@ -263,7 +290,8 @@ class KeyboardOnBody {
         (std::max)(kSilence_j, (is_lifted(key) ? kRingingFraction : kDampedFraction) * (body_j_ + stored_j_));
     double leaving = 0;
     std::size_t modes = key.modes;
-    while (modes > 0) {
+    const std::size_t least = is_pushed() && is_lifted(key) ? (std::min)(modes, key.sympathetic) : 0;
+    while (modes > least) {
       const std::size_t first = (modes - 1) / kLine * kLine;
       double energy = 0;
       for (std::size_t i = first; i < modes; ++i) energy += key.model.string().energy(i);
@@ -292,6 +320,7 @@ class KeyboardOnBody {
   double time_step_s_;
   detail::KeysOnBridge<T> bridge_;
   std::size_t clock_ = 0, next_check_ = 0, checks_since_bends_ = 0, failures_ = 0;
+  std::size_t checks_since_push_ = kLongAgo;
   std::uint64_t samples_ = 0;
   double sustain_ = 0, una_corda_ = 0, soft_ratio_ = 1;
   T hammer_mass_ratio_ = 1, knock_ratio_ = 1;

@@ -18,6 +18,7 @@
 #include "contactspline/models/key_on_body.hpp"
 #include "contactspline/models/keyboard_sound.hpp"
 #include "contactspline/simd/kernels.hpp"
+#include "contactspline/step/controls.hpp"
 
 namespace contactspline {
 
@@ -93,12 +94,13 @@ class KeysOnBridge {
   }
 
   /// Advances left.size() samples, in which no damper moves, and writes what each ear hears. forces: unless it
-  /// is empty, the largest contact force of any key [N].
-  void process(std::span<T> left, std::span<T> right, std::span<T> forces) {
+  /// is empty, the largest contact force of any key [N]. input: a force on the bridge (Body::push), or empty.
+  void process(std::span<T> left, std::span<T> right, std::span<T> forces, std::span<const T> input) {
     sort_out();
     for (std::size_t n = 0; n < left.size(); ++n) {
       T forces_n[Body<T>::kMaxPlaces] = {};
-      T output = 0;
+      T output = input.empty() ? T(0) : held(T(0), input[n], ControlRanges<T>::force_n);
+      body_.push(output);
       for (const auto& [place, first, count] : groups_) {
         const auto strings = std::span<const StringsOnBridge<T>>(resting_).subspan(first, count);
         const BridgeForces<T> sum = kernels<T>.advance_on_bridge(strings, body_.change(place));
