@@ -29,7 +29,8 @@ struct Macro {
   std::array<std::string_view, 2> endings;
   bool is_played;
   MacroTo to;
-  double taper;  ///< the part of the way is the macro to this power: what decays by a damping asks for a fine beginning
+  double
+      taper;  ///< the part of the way is the macro to this power: what decays by a damping asks for a fine beginning
 };
 
 [[nodiscard]] constexpr Parameter macro_parameter(const char* name) {
@@ -53,7 +54,8 @@ inline constexpr std::array<Macro, 4> kMacros = {
          });
 }
 
-/// A value that a macro at `amount`, -1 to 1, has moved by that part of the rest of its slider; the value itself at 0.
+/// A value that a macro at `amount`, -1 to 1, has moved by that part of the rest of its slider; the value itself at
+/// 0.
 [[nodiscard]] inline double moved_by(const Macro& macro, double amount, const Parameter& parameter, double value) {
   const auto& [min, max] = parameter.slider;
   if (amount == 0) return value;
