@@ -35,7 +35,7 @@ class fret_guitar : public Voices<NetworkInstrument<T>> {
   void set_finger_release_n(T value) { this->set(4, double(value)); }
   /// 0 to 1, at the beginning 0.
   void set_sustain(T value) { this->set(5, double(value)); }
-  /// -1200 to 1200, at the beginning 0.
+  /// -4800 to 4800, at the beginning 0.
   void set_bend_cents(T value) { this->set(6, double(value)); }
   void pluck_finger(T force_n) { this->pluck(0, force_n); }
   [[nodiscard]] T string_end_force_n() const { return this->output(0); }
@@ -323,7 +323,7 @@ class fret_guitar : public Voices<NetworkInstrument<T>> {
         {"fret_loss_s_per_m", "s/m", {0.0, 2.0}, {0.0, 2.0}, 0.3, Scale::kLinear, Acts::kAtOnce, 0.0},
         {"finger_release_n", "N", {-10.0, 10.0}, {0.0, 6.0}, 3.0, Scale::kLinear, Acts::kAtNextNote, 0.0},
         {"sustain", "", {0.0, 1.0}, {0.0, 1.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0, 64, 1},
-        {"bend_cents", "cents", {-1200.0, 1200.0}, {-200.0, 200.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0, 0, 16}}};
+        {"bend_cents", "cents", {-4800.0, 4800.0}, {-200.0, 200.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0, 0, 16}}};
     static constexpr std::array<Event, 1> events = {{
         {"pluck_finger", EventKind::kPluck, 0, 4}}};
     static constexpr std::array<Output, 2> outputs = {{

@@ -37,7 +37,7 @@ class lap_steel : public Voices<NetworkInstrument<T>> {
   void set_pick_release_n(T value) { this->set(5, double(value)); }
   /// 0 to 1, at the beginning 0.
   void set_sustain(T value) { this->set(6, double(value)); }
-  /// -1200 to 1200, at the beginning 0.
+  /// -4800 to 4800, at the beginning 0.
   void set_bend_cents(T value) { this->set(7, double(value)); }
   void pluck_pick(T force_n) { this->pluck(0, force_n); }
   [[nodiscard]] T string_end_force_n() const { return this->output(0); }
@@ -358,7 +358,7 @@ class lap_steel : public Voices<NetworkInstrument<T>> {
         {"fingers_resistance_n_s_per_m", "N s/m", {0.0, 20.0}, {0.0, 20.0}, 1.5, Scale::kLinear, Acts::kAtOnce, 0.0},
         {"pick_release_n", "N", {-10.0, 10.0}, {0.0, 6.0}, 3.0, Scale::kLinear, Acts::kAtNextNote, 0.0},
         {"sustain", "", {0.0, 1.0}, {0.0, 1.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0, 64, 1},
-        {"bend_cents", "cents", {-1200.0, 1200.0}, {-200.0, 200.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0, 0, 16}}};
+        {"bend_cents", "cents", {-4800.0, 4800.0}, {-200.0, 200.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0, 0, 16}}};
     static constexpr std::array<Event, 1> events = {{
         {"pluck_pick", EventKind::kPluck, 0, 5}}};
     static constexpr std::array<Output, 2> outputs = {{

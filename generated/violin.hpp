@@ -37,7 +37,7 @@ class violin : public Voices<NetworkInstrument<T>> {
   void set_assistance(T value) { this->set(5, double(value)); }
   /// 0 to 1, at the beginning 0.
   void set_sustain(T value) { this->set(6, double(value)); }
-  /// -1200 to 1200, at the beginning 0.
+  /// -4800 to 4800, at the beginning 0.
   void set_bend_cents(T value) { this->set(7, double(value)); }
   void bow_on_g(T acceleration_m_per_s2) { this->bow(0, acceleration_m_per_s2); }
   void bow_on_d(T acceleration_m_per_s2) { this->bow(1, acceleration_m_per_s2); }
@@ -307,7 +307,7 @@ class violin : public Voices<NetworkInstrument<T>> {
         {"bow_acceleration_m_per_s2", "m/s2", {0.0, 1000.0}, {0.0, 50.0}, 5.0, Scale::kLinear, Acts::kAtNextNote, 0.0},
         {"assistance", "", {0.0, 1.0}, {0.0, 1.0}, 1.0, Scale::kLinear, Acts::kAtOnce, 0.0},
         {"sustain", "", {0.0, 1.0}, {0.0, 1.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0, 64, 1},
-        {"bend_cents", "cents", {-1200.0, 1200.0}, {-200.0, 200.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0, 0, 16}}};
+        {"bend_cents", "cents", {-4800.0, 4800.0}, {-200.0, 200.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0, 0, 16}}};
     static constexpr std::array<Event, 4> events = {{
         {"bow_on_g", EventKind::kBow, 0, 4},
         {"bow_on_d", EventKind::kBow, 1, 4},

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "contactspline/step/controls.hpp"
+
 namespace contactspline {
 namespace {
 
@@ -33,7 +35,7 @@ class KeyReader {
     model_.keys.bend = model_.parameters.size();
     model_.parameters.push_back({.name = "bend_cents",
                                  .unit = "cents",
-                                 .allowed = {-1200, 1200},
+                                 .allowed = ControlRanges<double>::bend_cents,
                                  .slider = {-200, 200},
                                  .initial = 0,
                                  .step_samples = 16});

@@ -7,11 +7,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <string>
 #include <utility>
 
 #include "contactspline/data/parameter.hpp"
+#include "contactspline/step/controls.hpp"
 #include "generator/support/error.hpp"
 
 namespace contactspline {
@@ -23,7 +25,7 @@ constexpr int kDrums = 9, kChannels = 16;  // the tenth channel
 class SongRecorder {
  public:
   SongRecorder(const MidiSettings& settings, const MidiInterpreter& midi)
-      : max_cents_(settings.max_cents), midi_(midi) {}
+      : max_cents_(settings.max_cents < kNoLimit ? ControlRanges<double>::bend_cents.max : kNoLimit), midi_(midi) {}
 
   void set_time(double time_s) { time_s_ = time_s; }
 
@@ -71,6 +73,8 @@ class SongRecorder {
   [[nodiscard]] MidiSong&& song() { return std::move(song_); }
 
  private:
+  static constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+
   static std::size_t channel_of(const MidiEvent& event) { return static_cast<std::size_t>(event.channel); }
 
   [[nodiscard]] bool sounds(int channel) const {

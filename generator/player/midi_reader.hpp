@@ -69,7 +69,7 @@ struct MidiSong {
   std::vector<std::string> remarks = {};   ///< what of the file was not read as it stands
   std::size_t unchosen = 0;                ///< notes of other channels
   std::size_t unmapped = 0;                ///< notes on keys that do not sound
-  std::size_t far_bends = 0;               ///< of sounding notes, beyond what MidiSettings allow
+  std::size_t far_bends = 0;               ///< of sounding notes, beyond what strings follow
 };
 
 /// What is played of a MIDI file.

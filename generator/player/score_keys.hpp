@@ -72,7 +72,7 @@ inline constexpr std::size_t kMaxEvents = 65536;
   if (song.unmapped > 0)
     parts.push_back(fmt::format("left out: notes on keys that the key map leaves out ({})", song.unmapped));
   if (song.far_bends > 0)
-    parts.push_back(fmt::format("played as an octave: bends by more than an octave ({})", song.far_bends));
+    parts.push_back(fmt::format("played as 48 semitones: bends by more than that ({})", song.far_bends));
   return parts;
 }
 

@@ -32,6 +32,7 @@
 #include "contactspline/step/controls.hpp"
 #include "contactspline/step/flush_denormals.hpp"
 #include "contactspline/step/version.hpp"
+#include "macros.hpp"
 #include "plugin_tuning.hpp"
 #include "watched_file.hpp"
 #include "windowed_plugin.hpp"
@@ -48,23 +49,25 @@ struct PluginInstrument {
     const auto parameters = hosted.instrument().parameters();
     for (std::size_t p = 0; p < parameters.size(); ++p)
       if (parameters[p].slider.min < parameters[p].slider.max) numbers.push_back(p);
+    macros = macros_of(parameters, hosted.instrument().events(), numbers);
   }
 
   Replaceable<T>& replaceable;  // which `hosted` owns
   Hosted<T> hosted;
   std::vector<std::size_t> numbers;  // of the parameters that can move, which are those that hosts see
+  std::vector<MacroOf> macros;
 };
 
 }  // namespace detail
 
 /// The plug-in of an instrument. Parameters and programs are its parameters and presets, in units for people
-/// (label_of); a volume and the tuning are behind them. Without presets one program sets all parameters to their
-/// first values. Left and right are the outputs whose names begin with left_ and right_; without them the first
-/// output is on both sides. Behind the tuning stand what hosts can only read: the peak of each output, in its unit,
-/// which falls within 0.3 s. The last two are the oversampling, whose change a thread of its own prepares and the
-/// instrument takes while it sounds, and the latency, to read. An audio input, of an instrument that has one, pushes
-/// its body. That thread also watches the instrument's file (watched_file.hpp); without one it sleeps. While a window
-/// watches, it tells it what the contacts do.
+/// (label_of); a volume, macros (macros.hpp) and the tuning are behind them. Without presets one program sets all
+/// parameters to their first values. Left and right are the outputs whose names begin with left_ and right_; without
+/// them the first output is on both sides. Behind the tuning stand what hosts can only read: the peak of each output,
+/// in its unit, which falls within 0.3 s. The last two are the oversampling, whose change a thread of its own
+/// prepares and the instrument takes while it sounds, and the latency, to read. An audio input, of an instrument that
+/// has one, pushes its body. That thread also watches the instrument's file (watched_file.hpp); without one it
+/// sleeps. While a window watches, it tells it what the contacts do.
 template <std::floating_point T>
 class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlugin {
  public:
@@ -73,13 +76,14 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
   explicit InstrumentPlugin(Make* make)
       : detail::PluginInstrument<T>(std::make_unique<Replaceable<T>>(make())),
         WindowedPlugin(
-            static_cast<std::uint32_t>(this->numbers.size() + 3 + this->hosted.instrument().outputs().size() +
-                                       PluginTuning::kParameters),
+            static_cast<std::uint32_t>(this->numbers.size() + 3 + this->macros.size() + PluginTuning::kParameters +
+                                       this->hosted.instrument().outputs().size()),
             static_cast<std::uint32_t>(std::max<std::size_t>(1, this->hosted.instrument().presets().size())), 0),
         make_(make),
         file_(instrument().name()),
         volume_index_(this->numbers.size()),
-        peak_index_(volume_index_ + 1 + PluginTuning::kParameters),
+        tuning_index_(volume_index_ + 1 + this->macros.size()),
+        peak_index_(tuning_index_ + PluginTuning::kParameters),
         oversampling_index_(peak_index_ + instrument().outputs().size()),
         factors_(all_factors()),
         values_(factors_.size()),
@@ -125,8 +129,10 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
 
   [[nodiscard]] const AnyInstrument<T>& instrument() const { return this->hosted.instrument(); }
   [[nodiscard]] const Control& control(std::size_t index) const {
+    if (is_macro(index)) return this->macros[index - volume_index_ - 1].macro->parameter;
     return index == volume_index_ ? kVolume : instrument().parameters()[this->numbers[index]];
   }
+  [[nodiscard]] bool is_macro(std::size_t index) const { return index > volume_index_ && index < tuning_index_; }
   [[nodiscard]] float shown(std::size_t index, double value) const {
     return static_cast<float>(value * factors_[index]);
   }
@@ -154,7 +160,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     if (index == oversampling_index_) return describe_oversampling(parameter);
     if (index > oversampling_index_) return describe_latency(parameter);
     if (index >= peak_index_) return describe_peak(instrument().outputs()[index - peak_index_], parameter);
-    if (index > volume_index_) return PluginTuning::describe(index - volume_index_ - 1, parameter);
+    if (index >= tuning_index_) return PluginTuning::describe(index - tuning_index_, parameter);
     const Control& c = control(index);
     const Label label = label_of(c.name);
     parameter.hints = kParameterIsAutomatable | (c.scale == Scale::kLogarithmic ? kParameterIsLogarithmic : 0u);
@@ -168,7 +174,8 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
   WindowTable window_table() const override {
     WindowTable table = window_table_of(instrument(), this->numbers, left_);
     table.title = DISTRHO_PLUGIN_NAME;
-    table.parameters.push_back(WindowParameter::of(kVolume));
+    for (std::size_t p = volume_index_; p < tuning_index_; ++p)
+      table.parameters.push_back(WindowParameter::of(control(p)));
     table.tuning = window_tuning();
     return table;
   }
@@ -180,11 +187,13 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
   void modulate(std::uint32_t parameter, double amount) override {
     if (!is_modulated(parameter) || !is_number(amount)) return;
     values_[parameter].modulation = amount;
-    values_[parameter].is_new = true;
+    act_anew(parameter);
   }
-  bool is_modulated(std::uint32_t parameter) const override { return parameter < volume_index_; }
+  bool is_modulated(std::uint32_t parameter) const override {
+    return parameter < volume_index_ || is_macro(parameter);
+  }
   bool is_of_notes(std::uint32_t parameter) const override {
-    return is_modulated(parameter) && instrument().moves_keys(this->numbers[parameter]);
+    return parameter < volume_index_ && instrument().moves_keys(this->numbers[parameter]);
   }
   double window_value(std::size_t parameter) const override {
     return getParameterValue(static_cast<std::uint32_t>(parameter));
@@ -240,18 +249,24 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     if (index == oversampling_index_) return static_cast<float>(oversampling_);
     if (index > oversampling_index_) return static_cast<float>(latency());
     if (index >= peak_index_) return peaks_[index - peak_index_].shown;
-    return index > volume_index_ ? tuning_.value(index - volume_index_ - 1) : values_[index].shown.load();
+    return index >= tuning_index_ ? tuning_.value(index - tuning_index_) : values_[index].shown.load();
   }
 
   // On any thread.
   void setParameterValue(std::uint32_t index, float value) override {
     if (index == oversampling_index_) return set_oversampling(value);
     if (index > oversampling_index_ || (index >= peak_index_ && index < oversampling_index_)) return;
-    if (index > volume_index_) return tuning_.set(index - volume_index_ - 1, value);
+    if (index >= tuning_index_) return tuning_.set(index - tuning_index_, value);
     const auto [min, max] = control(index).slider;
     HostValue& kept = values_[index];
     kept.shown = held(kept.shown.load(), value, {shown(index, min), shown(index, max)});
-    kept.is_new = true;
+    act_anew(index);
+  }
+  // A value, or those that a macro moves.
+  void act_anew(std::size_t index) {
+    if (!is_macro(index)) values_[index].is_new = true;
+    if (is_macro(index))
+      for (const std::size_t p : this->macros[index - volume_index_ - 1].moved) values_[p].is_new = true;
   }
 
   void loadProgram(std::uint32_t index) override {
@@ -401,14 +416,24 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
   // Passes on what the host has set since the last block: a controller that MIDI has moved stays until then.
   void take_values() {
     tuning_.take(this->hosted);
-    for (std::size_t p = 0; p < values_.size(); ++p) {
+    for (std::size_t p = 0; p <= volume_index_; ++p) {
       if (!values_[p].is_new.load(std::memory_order_relaxed) || !values_[p].is_new.exchange(false)) continue;
       const float value = values_[p].shown;
       if (p == volume_index_)
         volume_target_ = value;
       else
-        this->hosted.set(this->numbers[p], (static_cast<double>(value) + values_[p].modulation) / factors_[p]);
+        this->hosted.set(this->numbers[p],
+                         moved_by_macros(p, value / factors_[p]) + values_[p].modulation / factors_[p]);
     }
+  }
+  [[nodiscard]] double moved_by_macros(std::size_t p, double value) const {
+    for (std::size_t m = 0; m < this->macros.size(); ++m) {
+      const auto& [macro, moved] = this->macros[m];
+      const HostValue& knob = values_[volume_index_ + 1 + m];
+      const double amount = std::clamp(knob.shown + knob.modulation, -1.0, 1.0);
+      if (std::ranges::find(moved, p) != moved.end()) value = moved_by(*macro, amount, control(p), value);
+    }
+    return value;
   }
 
   // The first of some notes. What is said at the same sample of one that begins acts before it sounds.
@@ -460,7 +485,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
   // all.
   void move(const HostNote& note) {
     if (!is_modulated(note.parameter) || !is_number(note.value)) return;
-    if (is_of_all(note.name)) {
+    if (is_of_all(note.name) || is_macro(note.parameter)) {
       modulate(note.parameter, note.value);
       return take_values();
     }
@@ -535,13 +560,13 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
 
   [[nodiscard]] std::vector<double> all_factors() const {
     std::vector<double> factors;
-    for (std::size_t p = 0; p <= volume_index_; ++p) factors.push_back(label_of(control(p).name).factor);
+    for (std::size_t p = 0; p < tuning_index_; ++p) factors.push_back(label_of(control(p).name).factor);
     return factors;
   }
 
   Make* make_;
   WatchedFile<T> file_;
-  std::size_t volume_index_, peak_index_, oversampling_index_;
+  std::size_t volume_index_, tuning_index_, peak_index_, oversampling_index_;
   PluginTuning tuning_;
   const std::array<std::uint32_t, std::size(kOversamplings)> latencies_ = all_latencies();  // samples
   std::atomic<int> oversampling_ = 1;                                                       // that the host wants

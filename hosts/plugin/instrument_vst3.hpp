@@ -63,7 +63,7 @@ struct ControllerPoint {
 
 /// The controllers that move at the first sample of a block.
 struct ControllerPoints {
-  static constexpr int32_t kMax = 6;
+  static constexpr int32_t kMax = 36;
   static const Table<v3_param_changes>& table() {
     static const Table<v3_param_changes> kTable = {
         {query, one, one},
@@ -160,17 +160,16 @@ class InstrumentVst3 : public PluginVst3 {
  public:
   InstrumentVst3(v3_host_application** host, bool is_component) : PluginVst3(host, is_component) {
     static_assert(kVst3InternalParameterProgram == 0 && kVst3InternalParameterMidiCC_start == 1);
-    // "All sound off" and "all notes off"; pedals, which are down from 64 on; the pitch wheel where the instrument
-    // bends.
-    hidden_[hidden_count_++] = kVst3InternalParameterMidiCC_start + 120;
-    hidden_[hidden_count_++] = kVst3InternalParameterMidiCC_start + 123;
+    // "All sound off" and, of each channel, "all notes off"; pedals, which are down from 64 on; the pitch wheels of
+    // all channels where the instrument bends.
+    hide(kAllSoundOff, 0);
+    for (int channel = 0; channel < kChannels; ++channel) hide(kAllNotesOff, channel);
     for (const int pedal : contactspline::kMidiPedals)
       for (uint32_t i = 0; i < fParameterCount; ++i)
-        if (fPlugin.getParameterMidiCC(i) == pedal)
-          hidden_[hidden_count_++] = kVst3InternalParameterMidiCC_start + static_cast<v3_param_id>(pedal);
+        if (fPlugin.getParameterMidiCC(i) == pedal) hide(pedal, 0);
     for (uint32_t i = 0; i < fParameterCount; ++i)
       if (fPlugin.getParameterSymbol(i) == "bend_cents")
-        hidden_[hidden_count_++] = kVst3InternalParameterMidiCC_start + kPitchWheel;
+        for (int channel = 0; channel < kChannels; ++channel) hide(kPitchWheel, channel);
   }
 
   // The host's list: programs, parameters, hidden controllers.
@@ -195,14 +194,18 @@ class InstrumentVst3 : public PluginVst3 {
     if (index >= fParameterCount) {
       info->param_id = hidden_[index - fParameterCount];
       info->flags = V3_PARAM_CAN_AUTOMATE | V3_PARAM_IS_HIDDEN;
-      const v3_param_id controller = info->param_id - kVst3InternalParameterMidiCC_start;
+      const int controller = controller_of(info->param_id);
       info->default_normalised_value = controller == kPitchWheel ? 0.5 : 0;
-      const char* const title = controller == kPitchWheel                      ? "pitch wheel"
-                                : controller == 120                            ? "all sound off"
-                                : controller == 123                            ? "all notes off"
-                                : controller == contactspline::kSustainPedal   ? "sustain pedal"
-                                : controller == contactspline::kSostenutoPedal ? "sostenuto pedal"
-                                                                               : "soft pedal";
+      const char* const meaning = controller == kPitchWheel                      ? "pitch wheel"
+                                  : controller == kAllSoundOff                   ? "all sound off"
+                                  : controller == kAllNotesOff                   ? "all notes off"
+                                  : controller == contactspline::kSustainPedal   ? "sustain pedal"
+                                  : controller == contactspline::kSostenutoPedal ? "sostenuto pedal"
+                                                                                 : "soft pedal";
+      char title[32];
+      std::snprintf(title, sizeof title, "%s", meaning);
+      if (is_of_channel(controller))
+        std::snprintf(title, sizeof title, "%s %d", meaning, 1 + channel_of(info->param_id));
       strncpy_utf16(info->title, title, 128);
       strncpy_utf16(info->short_title, title, 128);
       return V3_OK;
@@ -222,15 +225,16 @@ class InstrumentVst3 : public PluginVst3 {
     return V3_OK;
   }
 
-  /// The parameter that a controller of MIDI moves, 129 for the pitch wheel, on any channel.
-  bool controllerAssignment(int16_t controller, v3_param_id* id) const noexcept {
+  /// The parameter that a controller of MIDI moves on a channel, 0 to 15; 129 for the pitch wheel.
+  bool controllerAssignment(int channel, int controller, v3_param_id* id) const noexcept {
+    if (channel < 0 || channel >= kChannels || controller < 0 || controller >= kControllers) return false;
     const bool is_pedal = contactspline::midi_pedal(controller) < contactspline::kMidiPedals.size();
     for (uint32_t i = 0; i < fParameterCount; ++i)
       if (controller > 0 && !is_pedal && fPlugin.getParameterMidiCC(i) == controller) {
         *id = kVst3InternalParameterCount + i;
         return true;
       }
-    *id = static_cast<v3_param_id>(kVst3InternalParameterMidiCC_start + controller);
+    *id = hidden_id(controller, is_of_channel(controller) ? channel : 0);
     return is_hidden(*id);
   }
 
@@ -356,7 +360,22 @@ class InstrumentVst3 : public PluginVst3 {
   }
 
  private:
-  static constexpr v3_param_id kPitchWheel = 129;
+  static constexpr int kAllSoundOff = 120, kAllNotesOff = 123, kPitchWheel = 129;
+  static constexpr int kControllers = 130, kChannels = 16;  // as the framework numbers them
+
+  [[nodiscard]] static bool is_of_channel(int controller) {
+    return controller == kPitchWheel || controller == kAllNotesOff;
+  }
+  [[nodiscard]] static v3_param_id hidden_id(int controller, int channel) {
+    return static_cast<v3_param_id>(kVst3InternalParameterMidiCC_start + kControllers * channel + controller);
+  }
+  [[nodiscard]] static int controller_of(v3_param_id id) {
+    return static_cast<int>(id - kVst3InternalParameterMidiCC_start) % kControllers;
+  }
+  [[nodiscard]] static int channel_of(v3_param_id id) {
+    return static_cast<int>(id - kVst3InternalParameterMidiCC_start) / kControllers;
+  }
+  void hide(int controller, int channel) { hidden_[hidden_count_++] = hidden_id(controller, channel); }
 
   // Does the host give the input a signal?
   [[nodiscard]] bool has_input([[maybe_unused]] const v3_process_data& data) const {
@@ -444,8 +463,7 @@ class InstrumentVst3 : public PluginVst3 {
     if (point == points.points + points.count) ++points.count;
     point->id = id;
     // At its upper end the framework would make a byte of the wheel that is none of MIDI's.
-    const bool is_wheel = id == kVst3InternalParameterMidiCC_start + kPitchWheel;
-    point->value = std::min(part, is_wheel ? 16383.0 / 16384 : 1.0);
+    point->value = std::min(part, controller_of(id) == kPitchWheel ? 16383.0 / 16384 : 1.0);
   }
 
   struct Mapping {
@@ -453,9 +471,9 @@ class InstrumentVst3 : public PluginVst3 {
     static const Table& table() {
       static const Table kTable = {
           {vst3_object::query, vst3_object::one, vst3_object::one},
-          {[](void* self, int32_t bus, int16_t, int16_t controller, v3_param_id* id) -> v3_result {
-            return bus == 0 && static_cast<Mapping*>(self)->plugin->controllerAssignment(controller, id) ? V3_TRUE
-                                                                                                         : V3_FALSE;
+          {[](void* self, int32_t bus, int16_t channel, int16_t controller, v3_param_id* id) -> v3_result {
+            const InstrumentVst3& plugin = *static_cast<Mapping*>(self)->plugin;
+            return bus == 0 && plugin.controllerAssignment(channel, controller, id) ? V3_TRUE : V3_FALSE;
           }}};
       return kTable;
     }

@@ -239,12 +239,12 @@ TEST(BadMidiChannel, IsRefused) {
   EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
 }
 
-// One line counts what is left out, and bends that are played as an octave; the rest sounds.
+// One line counts what is left out, and bends that are played as 48 semitones; the rest sounds.
 TEST(GoodMidiFile, IsPlayedWithoutWhatIsBeyondThePiano) {
   const auto bytes = [](const char* data, std::size_t size) { return std::string(data, size); };
   const std::string low = bytes("\0\x90\x14\x40\0\x90\x7f\x40", 8);
-  // On another channel the wheel goes to the low end of a range of two octaves while a note sounds.
-  const std::string far = bytes("\0\xb1\x65\0\0\xb1\x64\0\0\xb1\x06\x18\0\x91\x3c\x40\0\xe1\0\0", 20);
+  // On another channel the wheel goes to the low end of a range of 49 semitones while a note sounds.
+  const std::string far = bytes("\0\xb1\x65\0\0\xb1\x64\0\0\xb1\x06\x31\0\x91\x3c\x40\0\xe1\0\0", 20);
   const Sandbox box;
   write_file(box / "clean.mid", midi(far + kNote + kEnd));
   write_file(box / "probe.mid", midi(low + low + far + kNote + kEnd));
@@ -252,12 +252,11 @@ TEST(GoodMidiFile, IsPlayedWithoutWhatIsBeyondThePiano) {
       run({.arguments = {"render", "hammer-string", "--score", "probe.mid", "-o", "a.wav"}, .folder = box.path()});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_EQ(outcome.err,
-            "contactspline: probe.mid: MIDI: left out: notes beyond the keys 21 to 108 (4); played as an octave: "
-            "bends by more "
-            "than an octave (1)\n");
+            "contactspline: probe.mid: MIDI: left out: notes beyond the keys 21 to 108 (4); played as 48 semitones: "
+            "bends by more than that (1)\n");
   const Outcome clean =
       run({.arguments = {"render", "hammer-string", "--score", "clean.mid", "-o", "b.wav"}, .folder = box.path()});
-  EXPECT_EQ(clean.err, "contactspline: clean.mid: MIDI: played as an octave: bends by more than an octave (1)\n");
+  EXPECT_EQ(clean.err, "contactspline: clean.mid: MIDI: played as 48 semitones: bends by more than that (1)\n");
   EXPECT_TRUE(read_file(box / "a.wav") == read_file(box / "b.wav"));
 }
 

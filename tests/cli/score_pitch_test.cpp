@@ -82,6 +82,38 @@ TEST(ScorePitch, BendsASoundingString) {
     }
 }
 
+// The whole range of a wheel of MPE, in the middle of a soft note, on single strings: by a MIDI file whose channel
+// has a range of 48 semitones, and by a score. The same bound as above; the length of the sound resolves 16 Hz to it.
+TEST(ScorePitch, BendsAStringBy48Semitones) {
+  const Sandbox box;
+  const auto keyboard = parse_keyboard(shipped(embedded_files(Shipped::kKeyboards), "piano"), "piano");
+  for (const auto& [wheel, bend] :
+       {std::pair{0x3000, 2400.0}, {0x1000, -2400.0}, {0x3fff, 4800 * 8191 / 8192.0}, {0, -4800.0}}) {
+    const std::string wheels = {static_cast<char>(wheel & 127), static_cast<char>(wheel >> 7)};
+    // 12 s of 96 ticks a quarter of 0.5 s.
+    write_file(box / "bend.mid", midi_file(std::string("\0\xb0\x65\0\0\x64\0\0\x06\x30\0\x90\x3c\x10\x0a\xe0", 16) +
+                                           wheels + std::string("\x92\0\x80\x3c\0", 5)));
+    write_file(box / "bend.json",
+               fmt::format(R"({{ "instrument": "hammer-string", "duration_s": 12, "keyboard": "piano",
+      "events": [ {{ "time_s": 0, "key": 60, "speed_m_per_s": 0.3 }},
+                  {{ "time_s": 0.05, "over_s": 0.1, "key": 60, "bend_cents": {} }} ] }})",
+                           bend));
+    StiffString string = note_of(keyboard, 60).string;
+    string.tension_n *= std::exp2(bend / 600);
+    const Mode lowest = undamped_mode(string, 1, string.detuning_cents.front()).with(string.losses).value();
+    const double expected = lowest.angular_frequency_rad_per_s / (2 * pi);
+    for (const char* file : {"bend.mid", "bend.json"}) {
+      succeed({.arguments = {"render", "hammer-string", "--score", file, "--signal", "bridge", "--no-figure", "-o",
+                             "a.wav"},
+               .folder = box.path()});
+      const Sound sound = read_sound(box / "a.wav");
+      std::vector<double> left;
+      for (std::size_t i = 0; i < sound.samples.size(); i += 2) left.push_back(sound.samples[i]);
+      EXPECT_TRUE(within(1200 * std::log2(frequency_near(left, expected) / expected), 0, 0.1)) << file << bend;
+    }
+  }
+}
+
 // Keys by files of Scala and a pitch of A4, each by the string that plays it and the tension of its pitch.
 TEST(ScorePitch, IsThatOfAScale) {
   const Sandbox box;

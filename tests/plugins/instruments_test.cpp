@@ -43,13 +43,17 @@ std::vector<HostedParameter> expected_parameters(const std::string& name) {
             {"una corda", "", 0, 1, 0},
             {"bend", "cents", -200, 200, 0},
             {"knock ratio", "", 0, 4, 1},
-            {"volume", "", 0, 1, 0.5}};
+            {"volume", "", 0, 1, 0.5},
+            {"harder", "", -1, 1, 0}};
   if (name == "trichord_c4")
     return {{"felt stiffness ratio", "", 0.01, 100, 1},
             {"felt loss", "s/m", 0, 2, 0.1},
             {"damper damping", "1/s", 0, 1000, 0},
             {"hammer speed", "m/s", 0, 10, 2.5},
-            {"volume", "", 0, 1, 0.5}};
+            {"volume", "", 0, 1, 0.5},
+            {"harder", "", -1, 1, 0},
+            {"stronger", "", -1, 1, 0},
+            {"shorter", "", -1, 1, 0}};
   const double length_mm = 1000 * std::numbers::pi / resonators::string_c4::wavenumbers[0];
   return {{"hammer mass", "g", 0.5, 50, 2.97},
           {"stiffness ratio", "", 0.001, 1000, 1},
@@ -59,7 +63,11 @@ std::vector<HostedParameter> expected_parameters(const std::string& name) {
           {"bend", "cents", -200, 200, 0},
           {"speed", "m/s", 0.05, 10, 2.5},
           {"sustain", "", 0, 1, 0},
-          {"volume", "", 0, 1, 0.5}};
+          {"volume", "", 0, 1, 0.5},
+          {"harder", "", -1, 1, 0},
+          {"stronger", "", -1, 1, 0},
+          {"nearer", "", -1, 1, 0},
+          {"shorter", "", -1, 1, 0}};
 }
 
 TEST_P(InstrumentPlugin, ShowsItsParameters) {
@@ -213,7 +221,7 @@ void change_all(HostedPlugin& plugin) {
   double place = 0.1234567;
   for (const HostedParameter& parameter : prompt_parameters(plugin)) {
     plugin.set(parameter.name, parameter.min + place * (parameter.max - parameter.min));
-    place *= 1.37;
+    place *= place < 0.7 ? 1.37 : 0.2;
   }
   (void)plugin.run(1);
 }

@@ -286,6 +286,29 @@ TEST_P(TunedPlugin, TunesKeysByItsParameters) {
   }
 }
 
+// The wheel of a channel bends its notes, and "all notes off" ends them.
+TEST_P(TunedPlugin, BendsAndEndsEachChannelAlone) {
+  const auto plugin = open_plugin(GetParam(), "lap_steel", kRate);
+  const auto expected = reference("lap_steel");
+  HostedPlugin::Sound played, of_class;
+  const auto send = [&](std::array<std::uint8_t, 3> message) {
+    plugin->send(0, message);
+    expected->midi(message);
+    played = plugin->run(kBlocks);
+    of_class = expected->run(kBlocks * kBlock);
+  };
+  send({0x90, 60, 100});
+  send({0x94, 67, 100});
+  send({0xe4, 0, 0x70});
+  expect_same(played, of_class);
+  send({0xe0, 0, 0x10});
+  expect_same(played, of_class);
+  send({0xef, 0, 0x10});  // of a channel that plays nothing
+  expect_same(played, of_class);
+  send({0xb4, 123, 0});
+  expect_same(played, of_class);
+}
+
 // A value is held to its range, that of a list to its entries.
 TEST(Clap, HoldsValuesOfItsTuning) {
   const auto plugin = open_clap("piano");

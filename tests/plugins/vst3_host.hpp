@@ -383,19 +383,20 @@ class Vst3Plugin : public HostedPlugin {
     v3_event event = {};
     event.sample_offset = static_cast<std::int32_t>(time);
     const float velocity = message[2] / 127.0f;
+    const std::int16_t channel = message[0] & 0x0f;
     switch (message[0] & 0xf0) {
       case 0x90:
         event.type = V3_EVENT_NOTE_ON;
-        event.note_on = {0, message[1], 0, velocity, 0, -1};
+        event.note_on = {channel, message[1], 0, velocity, 0, -1};
         return list_.events.push_back(event);
       case 0x80:
         event.type = V3_EVENT_NOTE_OFF;
-        event.note_off = {0, message[1], velocity, -1, 0};
+        event.note_off = {channel, message[1], velocity, -1, 0};
         return list_.events.push_back(event);
       case 0xb0:
-        return move_controller(message[1], event.sample_offset, message[2] / 127.0);
+        return move_controller(channel, message[1], event.sample_offset, message[2] / 127.0);
       case 0xe0:
-        return move_controller(kPitchWheel, event.sample_offset, (message[2] << 7 | message[1]) / 16383.0);
+        return move_controller(channel, kPitchWheel, event.sample_offset, (message[2] << 7 | message[1]) / 16383.0);
       default:
         return;  // the format has no such events
     }
@@ -594,10 +595,9 @@ class Vst3Plugin : public HostedPlugin {
   }
 
   // Hosts drop a controller that the plug-in has no parameter for.
-  void move_controller(std::int16_t number, std::int32_t time, double normalised) {
+  void move_controller(std::int16_t channel, std::int16_t number, std::int32_t time, double normalised) {
     v3_param_id id = 0;
-    if (number > 129 || v3_cpp_obj(mapping_)->get_midi_controller_assignment(mapping_, 0, 0, number, &id) != V3_TRUE)
-      return;
+    if (v3_cpp_obj(mapping_)->get_midi_controller_assignment(mapping_, 0, channel, number, &id) != V3_TRUE) return;
     for (std::int32_t i = 0; i < count(); ++i)
       if (info(i).param_id == id) return change(id, time, std::min(normalised, 1.0));
     throw std::runtime_error("VST3: a controller moves a parameter that is not there");

@@ -136,7 +136,7 @@ TEST_P(WindowInHost, ThePresetMenuMovesAllParameters) {
   button(presets.x + 20, presets.y + presets.height + 8 + 2.5f * 26, true);
   button(presets.x + 20, presets.y + presets.height + 8 + 2.5f * 26, false);
   advance(1);
-  EXPECT_EQ(plugin_.told().size(), plugin_.parameters().size() - 2 - kTuning.size());  // volume and oversampling
+  EXPECT_EQ(plugin_.told().size(), plugin_.parameters().size() - 6 - kTuning.size());  // volume, macros, oversampling
   EXPECT_NE(plugin_.value("stiffness ratio"), before);
 }
 

@@ -306,7 +306,7 @@ std::function<void(Record&)> keyboard_instrument(std::size_t held_for) {
     s->model.sustain(static_cast<double>(s->random.any({0, 1})));
     s->model.sostenuto(s->random.once_in(2));
     s->model.una_corda(static_cast<double>(s->random.any({0, 1})));
-    s->model.bend(s->random.below(Piano::keys + 2), static_cast<double>(s->random.any({-1200, 1200})));
+    s->model.bend(s->random.below(Piano::keys + 2), static_cast<double>(s->random.any({-4800, 4800})));
     work += Piano::keys * kStiffeningPower_w * static_cast<double>(block) / kHz;  // largest work of the bends
     s->model.process(std::span(s->left).first(block), std::span(s->right).first(block));
     for (std::size_t i = 0; i < block; ++i) {

@@ -22,7 +22,16 @@ struct HammerStringParameter {
        {"loss_s_per_m", "s/m", {0, 1e3}, {0, 2}, kNaN, Scale::kLinear, Acts::kAtNextNote},
        {"damping_per_s", "1/s", {0, 1e5}, {0, 1000}, 0, Scale::kLinear, Acts::kAtOnce, 0.005},
        {"strike_m", "m", {0, 100}, {0, 100}, kNaN, Scale::kLinear, Acts::kAtNextNote},
-       {"bend_cents", "cents", {-1200, 1200}, {-200, 200}, 0, Scale::kLinear, Acts::kAtOnce, 0, 0, 16},
+       {"bend_cents",
+        "cents",
+        ControlRanges<double>::bend_cents,
+        {-200, 200},
+        0,
+        Scale::kLinear,
+        Acts::kAtOnce,
+        0,
+        0,
+        16},
        {"speed_m_per_s", "m/s", {1e-3, 100}, {0.05, 10}, 2.5, Scale::kLinear, Acts::kAtNextNote},
        {"sustain", "", {0, 1}, {0, 1}, 0, Scale::kLinear, Acts::kAtOnce, 0, 64}}};
   static constexpr std::size_t kOfKeys = kSpeed;  ///< so many of them each key of a keyboard has, too
@@ -109,7 +118,16 @@ struct KeyboardParameter {
        {"sustain", "", {0, 1}, {0, 1}, 0, Scale::kLinear, Acts::kAtOnce, 0, 64, 16},
        {"sostenuto", "", {0, 1}, {0, 1}, 0, Scale::kLinear, Acts::kAtOnce, 0, 66, 16},
        {"una_corda", "", {0, 1}, {0, 1}, 0, Scale::kLinear, Acts::kAtNextNote, 0, 67, 16},
-       {"bend_cents", "cents", {-1200, 1200}, {-200, 200}, 0, Scale::kLinear, Acts::kAtOnce, 0, 0, 16},
+       {"bend_cents",
+        "cents",
+        ControlRanges<double>::bend_cents,
+        {-200, 200},
+        0,
+        Scale::kLinear,
+        Acts::kAtOnce,
+        0,
+        0,
+        16},
        {"knock_ratio", "", {0, 1000}, {0, 4}, 1, Scale::kLinear, Acts::kAtNextNote}}};
   static constexpr std::array<Output, 2> kOutputs = {
       {{"left_velocity_m_per_s", "m/s", 1.0 / 12}, {"right_velocity_m_per_s", "m/s", 1.0 / 12}}};

@@ -15,7 +15,7 @@
 
 namespace contactspline {
 
-/// What MIDI must know of an instrument. Keys that bend can be bent by an octave.
+/// What MIDI must know of an instrument. Notes that begin farther than an octave from their key play another one.
 template <std::floating_point T>
 [[nodiscard]] MidiSettings midi_settings(const AnyInstrument<T>& instrument) {
   MidiSettings settings;

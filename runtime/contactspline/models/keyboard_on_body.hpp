@@ -117,12 +117,12 @@ class KeyboardOnBody {
   }
 
   /// Bends a key's strings, also while they sound, by a change of their tension: so many cents above their own pitch,
-  /// -1200 to 1200, clamped. The bridge feels the new tension. A tension that rises does at most 1 W of work (saved
+  /// -4800 to 4800, clamped. The bridge feels the new tension. A tension that rises does at most 1 W of work (saved
   /// up for 10 ms), so that strings that swing far follow later. A bend by more than a few cents at once can be
   /// noticed.
   void bend(std::size_t key, double cents) {
     if (key >= keys()) return;
-    bridge_.key(key).cents = held(bridge_.key(key).cents, cents, {-1200, 1200});
+    bridge_.key(key).cents = held(bridge_.key(key).cents, cents, ControlRanges<double>::bend_cents);
     follow_bend(bridge_.key(key));
   }
 

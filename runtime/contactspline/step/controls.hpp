@@ -73,6 +73,7 @@ struct ControlRanges {
   static constexpr Range loss_s_per_m{0, T(1e3)};
   static constexpr Range damping_per_s{0, T(1e5)};
   static constexpr Range damping{0, T(1e5)};  ///< damping_per_s times dt
+  static constexpr Range bend_cents{T(-4800), T(4800)};
   static constexpr Range force_n{T(-1e3), T(1e3)};
   static constexpr Range bridge_force_n{T(-1e6), T(1e6)};
   static constexpr Range normal_force_n{0, T(1e3)};
