@@ -8,15 +8,16 @@
 #include <cstddef>
 
 #include "contactspline/instrument/network_instrument.hpp"
+#include "contactspline/instrument/voices.hpp"
 
 namespace contactspline::instruments {
 
 template <std::floating_point T = double>
-class classical_guitar : public NetworkInstrument<T> {
+class classical_guitar : public Voices<NetworkInstrument<T>> {
  public:
   static constexpr int format_version = 2;  // version of the layout; the runtime checks it
 
-  classical_guitar() : NetworkInstrument<T>(data::view()) {
+  classical_guitar() : Voices<NetworkInstrument<T>>(data::view()) {
     static_assert(contactspline::fits_runtime<classical_guitar>,
                   "generated for another version: run `contactspline generate` again");
   }
@@ -30,6 +31,10 @@ class classical_guitar : public NetworkInstrument<T> {
   void set_hand_damping_per_s(T value) { this->set(2, double(value)); }
   /// -20 to 20, at the beginning 4.
   void set_finger_release_n(T value) { this->set(3, double(value)); }
+  /// 0 to 1, at the beginning 0.
+  void set_sustain(T value) { this->set(4, double(value)); }
+  /// -4800 to 4800, at the beginning 0.
+  void set_bend_cents(T value) { this->set(5, double(value)); }
   void pluck_finger(T force_n) { this->pluck(0, force_n); }
   [[nodiscard]] T body_velocity_m_per_s() const { return this->output(0); }
   [[nodiscard]] T bridge_force_n() const { return this->output(1); }
@@ -158,23 +163,47 @@ class classical_guitar : public NetworkInstrument<T> {
         {OutputQuantity::kVelocity, 3, 2},
         {OutputQuantity::kForce, 5, 1}}};
     // Values that are allowed, those of sliders, the first one, scale, when it acts, how slowly it follows [s].
-    static constexpr std::array<Parameter, 4> parameters = {{
+    static constexpr std::array<Parameter, 6> parameters = {{
         {"finger_force_n", "N", {-20.0, 20.0}, {-20.0, 20.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
         {"cavity_stiffness_n_per_m", "N/m", {0.0, 100000.0}, {0.0, 100000.0}, 25210.0, Scale::kLinear, Acts::kAtOnce, 0.0},
         {"hand_damping_per_s", "1/s", {0.0, 1000.0}, {0.0, 1000.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
-        {"finger_release_n", "N", {-20.0, 20.0}, {0.0, 8.0}, 4.0, Scale::kLinear, Acts::kAtNextNote, 0.0}}};
+        {"finger_release_n", "N", {-20.0, 20.0}, {0.0, 8.0}, 4.0, Scale::kLinear, Acts::kAtNextNote, 0.0},
+        {"sustain", "", {0.0, 1.0}, {0.0, 1.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0, 64, 1},
+        {"bend_cents", "cents", {-4800.0, 4800.0}, {-200.0, 200.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0, 0, 16}}};
     static constexpr std::array<Event, 1> events = {{
         {"pluck_finger", EventKind::kPluck, 0, 3}}};
     static constexpr std::array<Output, 2> outputs = {{
         {"body_velocity_m_per_s", "m/s", 0.5},
         {"bridge_force_n", "N", 20.0}}};
+    static constexpr std::array<KeyRange, 1> key_ranges = {{
+        {40, 74, 0, 50}}};
+    static constexpr std::array<double, 111> tension_squares = {
+        820448.7897285, 3281795.158914, 7384039.107556, 13127180.63566, 20511219.74321, 29536156.43023,
+        40201990.6967, 52508722.54262, 66456351.96801, 82044878.97285, 99274303.55715, 118144625.7209,
+        138655845.4641, 160807962.7868, 184600977.6889, 210034890.1705, 237109700.2315, 265825407.872,
+        296182013.092, 328179515.8914, 361817916.2703, 397097214.2286, 434017409.7664, 472578502.8836,
+        512780493.5803, 554623381.8565, 598107167.7121, 643231851.1471, 689997432.1617, 738403910.7556,
+        788451286.9291, 840139560.682, 893468732.0143, 948438800.9261, 1005049767.417, 1063301631.488,
+        1123194393.138, 1184728052.368, 1247902609.177, 1312718063.566, 1379174415.534, 1447271665.081,
+        1517009812.208, 1588388856.914, 1661408799.2, 1736069639.066, 1812371376.51, 1890314011.534,
+        1969897544.138, 2051121974.321, 2133987302.084, 2218493527.426, 2304640650.347, 2392428670.848,
+        2481857588.929, 2572927404.589, 2665638117.828, 2759989728.647, 2855982237.045, 2953615643.023,
+        3052889946.58, 3153805147.716, 3256361246.432, 3360558242.728, 3466396136.603, 3573874928.057,
+        3682994617.091, 3793755203.705, 3906156687.897, 4020199069.67, 4135882349.021, 4253206525.953,
+        4372171600.463, 4492777572.553, 4615024442.223, 4738912209.472, 4864440874.3, 4991610436.708,
+        5120420896.696, 5250872254.262, 5382964509.409, 5516697662.134, 5652071712.44, 5789086660.324,
+        5927742505.788, 6068039248.832, 6209976889.455, 6353555427.657, 6498774863.439, 6645635196.801,
+        6794136427.742, 6944278556.262, 7096061582.362, 7249485506.041, 7404550327.3, 7561256046.138,
+        7719602662.555, 7879590176.552, 8041218588.129, 8204487897.285, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0};
+    static constexpr std::array<std::size_t, 1> damped = {0};
     static constexpr std::array<std::size_t, 1> input_places = {3};
 
     static constexpr InstrumentData view() {
       return {"classical_guitar", "guitar string on a guitar body", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
               knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
               parameters, events, outputs,
-              {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, input_places, 10.0};
+              {key_ranges, 6, tension_squares, 0, damped, 30.0, 4, 5}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, input_places, 10.0};
     }
   };
 };

@@ -8,15 +8,16 @@
 #include <cstddef>
 
 #include "contactspline/instrument/network_instrument.hpp"
+#include "contactspline/instrument/voices.hpp"
 
 namespace contactspline::instruments {
 
 template <std::floating_point T = double>
-class gong : public NetworkInstrument<T> {
+class gong : public Voices<NetworkInstrument<T>> {
  public:
   static constexpr int format_version = 2;  // version of the layout; the runtime checks it
 
-  gong() : NetworkInstrument<T>(data::view()) {
+  gong() : Voices<NetworkInstrument<T>>(data::view()) {
     static_assert(contactspline::fits_runtime<gong>,
                   "generated for another version: run `contactspline generate` again");
   }
@@ -222,6 +223,10 @@ class gong : public NetworkInstrument<T> {
     static constexpr std::array<Output, 2> outputs = {{
         {"left_pressure_pa", "Pa", 0.25},
         {"right_pressure_pa", "Pa", 0.25}}};
+    static constexpr std::array<KeyRange, 1> key_ranges = {{
+        {52, 52, 0, -1}}};
+    static constexpr std::array<double, 0> tension_squares = {};
+    static constexpr std::array<std::size_t, 0> damped = {};
     static constexpr std::array<PressurePath, 2> pressure_paths = {{
         {0, 1, 22},
         {1, 1, 22}}};
@@ -4568,7 +4573,7 @@ class gong : public NetworkInstrument<T> {
       return {"gong", "Peking opera gong whose pitch glides", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
               knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
               parameters, events, outputs,
-              {}, {}, {}, {}, {}, {}, 44100.0, pressure_paths, pressure_taps, {}, stretch_forms, stretch_squares, stretch_products, {}, {}, input_places, 10.0};
+              {key_ranges, 1, tension_squares, 0, damped, 0.0, kNoParameter, kNoParameter}, {}, {}, {}, {}, {}, 44100.0, pressure_paths, pressure_taps, {}, stretch_forms, stretch_squares, stretch_products, {}, {}, input_places, 10.0};
     }
   };
 };

@@ -8,15 +8,16 @@
 #include <cstddef>
 
 #include "contactspline/instrument/network_instrument.hpp"
+#include "contactspline/instrument/voices.hpp"
 
 namespace contactspline::instruments {
 
 template <std::floating_point T = double>
-class marimba_tube : public NetworkInstrument<T> {
+class marimba_tube : public Voices<NetworkInstrument<T>> {
  public:
   static constexpr int format_version = 2;  // version of the layout; the runtime checks it
 
-  marimba_tube() : NetworkInstrument<T>(data::view()) {
+  marimba_tube() : Voices<NetworkInstrument<T>>(data::view()) {
     static_assert(contactspline::fits_runtime<marimba_tube>,
                   "generated for another version: run `contactspline generate` again");
   }
@@ -128,13 +129,17 @@ class marimba_tube : public NetworkInstrument<T> {
     static constexpr std::array<Output, 2> outputs = {{
         {"both_velocity_m_per_s", "m/s", 4.0},
         {"bar_velocity_m_per_s", "m/s", 0.5}}};
+    static constexpr std::array<KeyRange, 1> key_ranges = {{
+        {60, 60, 0, -1}}};
+    static constexpr std::array<double, 0> tension_squares = {};
+    static constexpr std::array<std::size_t, 0> damped = {};
     static constexpr std::array<std::size_t, 1> input_places = {1};
 
     static constexpr InstrumentData view() {
       return {"marimba_tube", "marimba bar over its tube", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
               knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
               parameters, events, outputs,
-              {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, input_places, 50.0};
+              {key_ranges, 1, tension_squares, 0, damped, 0.0, kNoParameter, kNoParameter}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, input_places, 50.0};
     }
   };
 };

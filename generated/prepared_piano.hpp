@@ -8,15 +8,16 @@
 #include <cstddef>
 
 #include "contactspline/instrument/network_instrument.hpp"
+#include "contactspline/instrument/voices.hpp"
 
 namespace contactspline::instruments {
 
 template <std::floating_point T = double>
-class prepared_piano : public NetworkInstrument<T> {
+class prepared_piano : public Voices<NetworkInstrument<T>> {
  public:
   static constexpr int format_version = 2;  // version of the layout; the runtime checks it
 
-  prepared_piano() : NetworkInstrument<T>(data::view()) {
+  prepared_piano() : Voices<NetworkInstrument<T>>(data::view()) {
     static_assert(contactspline::fits_runtime<prepared_piano>,
                   "generated for another version: run `contactspline generate` again");
   }
@@ -34,6 +35,10 @@ class prepared_piano : public NetworkInstrument<T> {
   void set_damper_damping_per_s(T value) { this->set(4, double(value)); }
   /// -100 to 100, at the beginning 2.5.
   void set_hammer_speed_m_per_s(T value) { this->set(5, double(value)); }
+  /// 0 to 1, at the beginning 0.
+  void set_sustain(T value) { this->set(6, double(value)); }
+  /// -4800 to 4800, at the beginning 0.
+  void set_bend_cents(T value) { this->set(7, double(value)); }
   void strike_hammer(T speed_m_per_s) { this->strike(0, speed_m_per_s); }
   [[nodiscard]] T bridge_end_force_n() const { return this->output(0); }
   [[nodiscard]] T bolt_force_n() const { return this->output(1); }
@@ -422,18 +427,65 @@ class prepared_piano : public NetworkInstrument<T> {
         {OutputQuantity::kDisplacement, 9, 2},
         {OutputQuantity::kForce, 11, 2, 0.04900000003422}}};
     // Values that are allowed, those of sliders, the first one, scale, when it acts, how slowly it follows [s].
-    static constexpr std::array<Parameter, 6> parameters = {{
+    static constexpr std::array<Parameter, 8> parameters = {{
         {"weight_force_n", "N", {0.0, 1.0}, {0.0, 1.0}, 0.049, Scale::kLinear, Acts::kAtOnce, 0.005},
         {"bolt_loss_s_per_m", "s/m", {0.0, 2.0}, {0.0, 2.0}, 0.2, Scale::kLinear, Acts::kAtOnce, 0.0},
         {"play_gap_shift_m", "m", {-0.0005, 0.0005}, {-0.0005, 0.0005}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0},
         {"screw_stiffness_n_per_m", "N/m", {100.0, 10000000.0}, {100.0, 10000000.0}, 40000.0, Scale::kLogarithmic, Acts::kAtOnce, 0.0},
         {"damper_damping_per_s", "1/s", {0.0, 1000.0}, {0.0, 1000.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
-        {"hammer_speed_m_per_s", "m/s", {-100.0, 100.0}, {0.0, 10.0}, 2.5, Scale::kLinear, Acts::kAtNextNote, 0.0}}};
+        {"hammer_speed_m_per_s", "m/s", {-100.0, 100.0}, {0.0, 10.0}, 2.5, Scale::kLinear, Acts::kAtNextNote, 0.0},
+        {"sustain", "", {0.0, 1.0}, {0.0, 1.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0, 64, 1},
+        {"bend_cents", "cents", {-4800.0, 4800.0}, {-200.0, 200.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0, 0, 16}}};
     static constexpr std::array<Event, 1> events = {{
         {"strike_hammer", EventKind::kStrike, 0, 5}}};
     static constexpr std::array<Output, 2> outputs = {{
         {"bridge_end_force_n", "N", 50.0},
         {"bolt_force_n", "N", 100.0}}};
+    static constexpr std::array<KeyRange, 1> key_ranges = {{
+        {24, 48, 0, 36}}};
+    static constexpr std::array<double, 243> tension_squares = {
+        111311.3278318, 445245.3113273, 1001801.950487, 1780981.245309, 2782783.195796, 4007207.801946,
+        5454255.06376, 7123924.981237, 9016217.554379, 11131132.78318, 13468670.66765, 16028831.20778,
+        18811614.40358, 21817020.25504, 25045048.76216, 28495699.92495, 32168973.7434, 36064870.21751,
+        40183389.34729, 44524531.13273, 49088295.57384, 53874682.67061, 58883692.42304, 64115324.83114,
+        69569579.8949, 75246457.61432, 81145957.98941, 87268081.02016, 93612826.70657, 100180195.0487,
+        106970186.0464, 113982799.6998, 121218036.0089, 128675894.9736, 136356376.594, 144259480.8701,
+        152385207.8018, 160733557.3892, 169304529.6322, 178098124.5309, 187114342.0853, 196353182.2954,
+        205814645.1611, 215498730.6824, 225405438.8595, 235534769.6922, 245886723.1805, 256461299.3245,
+        267258498.1242, 278278319.5796, 289520763.6906, 300985830.4573, 312673519.8796, 324583831.9576,
+        336716766.6913, 349072324.0806, 361650504.1256, 374451306.8263, 387474732.1826, 400720780.1946,
+        414189450.8623, 427880744.1856, 441794660.1646, 455931198.7992, 470290360.0895, 484872144.0355,
+        499676550.6371, 514703579.8944, 529953231.8074, 545425506.376, 561120403.6003, 577037923.4802,
+        593178066.0158, 609540831.2071, 626126219.0541, 642934229.5567, 659964862.7149, 677218118.5289,
+        694693996.9985, 712392498.1237, 730313621.9047, 748457368.3413, 766823737.4335, 785412729.1814,
+        804224343.585, 823258580.6443, 842515440.3592, 861994922.7297, 881697027.756, 901621755.4379,
+        921769105.7754, 942139078.7686, 962731674.4175, 983546892.7221, 1004584733.682, 1025845197.298,
+        1047328283.57, 1069033992.497, 1090962324.08, 1113113278.318, 1135486855.213, 1158083054.762,
+        1180901876.968, 1203943321.829, 1227207389.346, 1250694079.518, 1274403392.347, 1298335327.831,
+        1322489885.97, 1346867066.765, 1371466870.216, 1396289296.323, 1421334345.085, 1446602016.503,
+        1472092310.576, 1497805227.305, 1523740766.69, 1549898928.73, 1576279713.427, 1602883120.778,
+        111504.3828856, 446017.5315424, 1003539.44597, 1784070.12617, 2787609.57214, 4014157.783882,
+        5463714.761395, 7136280.504679, 9031855.013734, 11150438.28856, 13492030.32916, 16056631.13553,
+        18844240.70767, 21854859.04558, 25088486.14926, 28545122.01872, 32224766.65394, 36127420.05494,
+        40253082.22171, 44601753.15424, 49173432.85255, 53968121.31664, 58985818.54649, 64226524.54211,
+        69690239.30351, 75376962.83067, 81286695.12361, 87419436.18232, 93775186.0068, 100353944.597,
+        107155711.9531, 114180488.0749, 121428272.9624, 128899066.6158, 136592869.0349, 144509680.2198,
+        152649500.1704, 161012328.8868, 169598166.369, 178407012.617, 187438867.6307, 196693731.4102,
+        206171603.9555, 215872485.2665, 225796375.3434, 235943274.186, 246313181.7943, 256906098.1684,
+        267722023.3084, 278760957.214, 290022899.8855, 301507851.3227, 313215811.5257, 325146780.4944,
+        337300758.229, 349677744.7293, 362277739.9953, 375100744.0272, 388146756.8248, 401415778.3882,
+        414907808.7174, 428622847.8123, 442560895.673, 456721952.2995, 471106017.6917, 485713091.8497,
+        500543174.7735, 515596266.4631, 530872366.9184, 546371476.1395, 562093594.1264, 578038720.879,
+        594206856.3974, 610598000.6816, 627212153.7316, 644049315.5473, 661109486.1288, 678392665.4761,
+        695898853.5891, 713628050.4679, 731580256.1125, 749755470.5228, 768153693.699, 786774925.6409,
+        805619166.3485, 824686415.822, 843976674.0612, 863489941.0662, 883226216.8369, 903185501.3734,
+        923367794.6757, 943773096.7438, 964401407.5776, 985252727.1773, 1006327055.543, 1027624392.674,
+        1049144738.571, 1070888093.233, 1092854456.662, 1115043828.856, 1137456209.816, 1160091599.542,
+        1182949998.033, 1206031405.291, 1229335821.314, 1252863246.103, 1276613679.657, 1300587121.978,
+        1324783573.064, 1349203032.916, 1373845501.534, 1398710978.917, 1423799465.066, 1449110959.981,
+        1474645463.662, 1500402976.109, 1526383497.321, 1552587027.299, 1579013566.043, 1605663113.553, 0.0,
+        0.0, 0.0};
+    static constexpr std::array<std::size_t, 2> damped = {0, 1};
     static constexpr std::array<HoldingForce, 3> holds = {{
         {5, -0.04900000003422},
         {6, 0.01259043397428},
@@ -443,7 +495,7 @@ class prepared_piano : public NetworkInstrument<T> {
       return {"prepared_piano", "two strings with a rattling bolt and a screw between them", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
               knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
               parameters, events, outputs,
-              {}, {}, {}, {}, {}, {}, {}, {}, {}, holds};
+              {key_ranges, 1, tension_squares, 2, damped, 60.0, 6, 7}, {}, {}, {}, {}, {}, {}, {}, {}, holds};
     }
   };
 };

@@ -8,15 +8,16 @@
 #include <cstddef>
 
 #include "contactspline/instrument/network_instrument.hpp"
+#include "contactspline/instrument/voices.hpp"
 
 namespace contactspline::instruments {
 
 template <std::floating_point T = double>
-class slap_bass : public NetworkInstrument<T> {
+class slap_bass : public Voices<NetworkInstrument<T>> {
  public:
   static constexpr int format_version = 2;  // version of the layout; the runtime checks it
 
-  slap_bass() : NetworkInstrument<T>(data::view()) {
+  slap_bass() : Voices<NetworkInstrument<T>>(data::view()) {
     static_assert(contactspline::fits_runtime<slap_bass>,
                   "generated for another version: run `contactspline generate` again");
   }
@@ -48,6 +49,10 @@ class slap_bass : public NetworkInstrument<T> {
   void set_finger_9_speed_m_per_s(T value) { this->set(11, double(value)); }
   /// -20 to 20, at the beginning -9.
   void set_pop_release_n(T value) { this->set(12, double(value)); }
+  /// 0 to 1, at the beginning 0.
+  void set_sustain(T value) { this->set(13, double(value)); }
+  /// -4800 to 4800, at the beginning 0.
+  void set_bend_cents(T value) { this->set(14, double(value)); }
   void strike_thumb(T speed_m_per_s) { this->strike(0, speed_m_per_s); }
   void strike_finger_2(T speed_m_per_s) { this->strike(1, speed_m_per_s); }
   void strike_finger_5(T speed_m_per_s) { this->strike(2, speed_m_per_s); }
@@ -785,7 +790,7 @@ class slap_bass : public NetworkInstrument<T> {
         {OutputQuantity::kVelocity, 26, 1},
         {OutputQuantity::kForce, 27, 20}}};
     // Values that are allowed, those of sliders, the first one, scale, when it acts, how slowly it follows [s].
-    static constexpr std::array<Parameter, 13> parameters = {{
+    static constexpr std::array<Parameter, 15> parameters = {{
         {"press_2_force_n", "N", {0.0, 20.0}, {0.0, 20.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
         {"press_5_force_n", "N", {0.0, 20.0}, {0.0, 20.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
         {"press_7_force_n", "N", {0.0, 20.0}, {0.0, 20.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
@@ -798,7 +803,9 @@ class slap_bass : public NetworkInstrument<T> {
         {"finger_5_speed_m_per_s", "m/s", {-100.0, 100.0}, {0.0, 10.0}, 2.5, Scale::kLinear, Acts::kAtNextNote, 0.0},
         {"finger_7_speed_m_per_s", "m/s", {-100.0, 100.0}, {0.0, 10.0}, 2.5, Scale::kLinear, Acts::kAtNextNote, 0.0},
         {"finger_9_speed_m_per_s", "m/s", {-100.0, 100.0}, {0.0, 10.0}, 2.5, Scale::kLinear, Acts::kAtNextNote, 0.0},
-        {"pop_release_n", "N", {-20.0, 20.0}, {-18.0, 0.0}, -9.0, Scale::kLinear, Acts::kAtNextNote, 0.0}}};
+        {"pop_release_n", "N", {-20.0, 20.0}, {-18.0, 0.0}, -9.0, Scale::kLinear, Acts::kAtNextNote, 0.0},
+        {"sustain", "", {0.0, 1.0}, {0.0, 1.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0, 64, 1},
+        {"bend_cents", "cents", {-4800.0, 4800.0}, {-200.0, 200.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0, 0, 16}}};
     static constexpr std::array<Event, 6> events = {{
         {"strike_thumb", EventKind::kStrike, 0, 7},
         {"strike_finger_2", EventKind::kStrike, 1, 8},
@@ -809,11 +816,33 @@ class slap_bass : public NetworkInstrument<T> {
     static constexpr std::array<Output, 2> outputs = {{
         {"pickup_velocity_m_per_s", "m/s", 10.0},
         {"frets_force_n", "N", 200.0}}};
+    static constexpr std::array<KeyRange, 1> key_ranges = {{
+        {28, 63, 0, 43}}};
+    static constexpr std::array<double, 105> tension_squares = {
+        378778.2052322, 1515112.820929, 3409003.847089, 6060451.283715, 9469455.130804, 13636015.38836,
+        18560132.05638, 24241805.13486, 30681034.62381, 37877820.52322, 45832162.83309, 54544061.55343,
+        64013516.68424, 74240528.2255, 85225096.17724, 96967220.53943, 109466901.3121, 122724138.4952,
+        136738932.0888, 151511282.0929, 167041188.5074, 183328651.3324, 200373670.5678, 218176246.2137,
+        236736378.2701, 256054066.7369, 276129311.6142, 296962112.902, 318552470.6002, 340900384.7089,
+        364005855.2281, 387868882.1577, 412489465.4978, 437867605.2484, 464003301.4094, 490896553.9809,
+        518547362.9628, 546955728.3552, 576121650.1581, 606045128.3715, 636726162.9953, 668164754.0295,
+        700360901.4743, 733314605.3295, 767025865.5951, 801494682.2713, 836721055.3579, 872704984.8549,
+        909446470.7624, 946945513.0804, 985202111.8089, 1024216266.948, 1063987978.497, 1104517246.457,
+        1145804070.827, 1187848451.608, 1230650388.799, 1274209882.401, 1318526932.413, 1363601538.836,
+        1409433701.669, 1456023420.912, 1503370696.566, 1551475528.631, 1600337917.106, 1649957861.991,
+        1700335363.287, 1751470420.994, 1803363035.11, 1856013205.638, 1909420932.575, 1963586215.924,
+        2018509055.682, 2074189451.851, 2130627404.431, 2187822913.421, 2245775978.821, 2304486600.632,
+        2363954778.854, 2424180513.486, 2485163804.528, 2546904651.981, 2609403055.844, 2672659016.118,
+        2736672532.802, 2801443605.897, 2866972235.402, 2933258421.318, 3000302163.644, 3068103462.381,
+        3136662317.528, 3205978729.085, 3276052697.053, 3346884221.431, 3418473302.22, 3490819939.42,
+        3563924133.029, 3637785883.05, 3712405189.48, 3787782052.322, 0.0, 0.0, 0.0, 0.0, 0.0};
+    static constexpr std::array<std::size_t, 1> damped = {0};
 
     static constexpr InstrumentData view() {
       return {"slap_bass", "bass string over 20 frets, with thumb and fingers", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
               knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
-              parameters, events, outputs};
+              parameters, events, outputs,
+              {key_ranges, 1, tension_squares, 0, damped, 30.0, 13, 14}};
     }
   };
 };

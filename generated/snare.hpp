@@ -8,15 +8,16 @@
 #include <cstddef>
 
 #include "contactspline/instrument/network_instrument.hpp"
+#include "contactspline/instrument/voices.hpp"
 
 namespace contactspline::instruments {
 
 template <std::floating_point T = double>
-class snare : public NetworkInstrument<T> {
+class snare : public Voices<NetworkInstrument<T>> {
  public:
   static constexpr int format_version = 2;  // version of the layout; the runtime checks it
 
-  snare() : NetworkInstrument<T>(data::view()) {
+  snare() : Voices<NetworkInstrument<T>>(data::view()) {
     static_assert(contactspline::fits_runtime<snare>,
                   "generated for another version: run `contactspline generate` again");
   }
@@ -1908,6 +1909,11 @@ class snare : public NetworkInstrument<T> {
         {"microphone_pressure_pa", "Pa", 70.0},
         {"head_velocity_m_per_s", "m/s", 2.0},
         {"wires_force_n", "N", 50.0}}};
+    static constexpr std::array<KeyRange, 2> key_ranges = {{
+        {38, 38, 0, -1},
+        {40, 40, 0, -1}}};
+    static constexpr std::array<double, 0> tension_squares = {};
+    static constexpr std::array<std::size_t, 0> damped = {};
     static constexpr std::array<PressurePath, 9> pressure_paths = {{
         {0, 5, 28},
         {0, 6, 28},
@@ -1991,7 +1997,7 @@ class snare : public NetworkInstrument<T> {
       return {"snare", "drum with two heads and three wires that rattle along the lower one", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
               knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
               parameters, events, outputs,
-              {}, {}, {}, {}, {}, {}, 44100.0, pressure_paths, pressure_taps, holds, {}, {}, {}, {}, {}, input_places, 3.0};
+              {key_ranges, 1, tension_squares, 0, damped, 0.0, kNoParameter, kNoParameter}, {}, {}, {}, {}, {}, 44100.0, pressure_paths, pressure_taps, holds, {}, {}, {}, {}, {}, input_places, 3.0};
     }
   };
 };

@@ -8,15 +8,16 @@
 #include <cstddef>
 
 #include "contactspline/instrument/network_instrument.hpp"
+#include "contactspline/instrument/voices.hpp"
 
 namespace contactspline::instruments {
 
 template <std::floating_point T = double>
-class tanpura : public NetworkInstrument<T> {
+class tanpura : public Voices<NetworkInstrument<T>> {
  public:
   static constexpr int format_version = 2;  // version of the layout; the runtime checks it
 
-  tanpura() : NetworkInstrument<T>(data::view()) {
+  tanpura() : Voices<NetworkInstrument<T>>(data::view()) {
     static_assert(contactspline::fits_runtime<tanpura>,
                   "generated for another version: run `contactspline generate` again");
   }
@@ -30,6 +31,8 @@ class tanpura : public NetworkInstrument<T> {
   void set_bridge_gap_shift_m(T value) { this->set(2, double(value)); }
   /// -2 to 2, at the beginning 0.45.
   void set_finger_release_n(T value) { this->set(3, double(value)); }
+  /// -4800 to 4800, at the beginning 0.
+  void set_bend_cents(T value) { this->set(4, double(value)); }
   void pluck_finger(T force_n) { this->pluck(0, force_n); }
   [[nodiscard]] T wire_end_force_n() const { return this->output(0); }
   [[nodiscard]] T bridge_force_n() const { return this->output(1); }
@@ -769,21 +772,47 @@ class tanpura : public NetworkInstrument<T> {
         {OutputQuantity::kDisplacement, 26, 1},
         {OutputQuantity::kForce, 27, 24}}};
     // Values that are allowed, those of sliders, the first one, scale, when it acts, how slowly it follows [s].
-    static constexpr std::array<Parameter, 4> parameters = {{
+    static constexpr std::array<Parameter, 5> parameters = {{
         {"finger_force_n", "N", {-2.0, 2.0}, {-2.0, 2.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
         {"hand_damping_per_s", "1/s", {0.0, 1000.0}, {0.0, 1000.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
         {"bridge_gap_shift_m", "m", {-0.0001, 0.0001}, {-0.0001, 0.0001}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0},
-        {"finger_release_n", "N", {-2.0, 2.0}, {0.0, 0.9}, 0.45, Scale::kLinear, Acts::kAtNextNote, 0.0}}};
+        {"finger_release_n", "N", {-2.0, 2.0}, {0.0, 0.9}, 0.45, Scale::kLinear, Acts::kAtNextNote, 0.0},
+        {"bend_cents", "cents", {-4800.0, 4800.0}, {-200.0, 200.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0, 0, 16}}};
     static constexpr std::array<Event, 1> events = {{
         {"pluck_finger", EventKind::kPluck, 0, 3}}};
     static constexpr std::array<Output, 2> outputs = {{
         {"wire_end_force_n", "N", 2.0},
         {"bridge_force_n", "N", 4.0}}};
+    static constexpr std::array<KeyRange, 1> key_ranges = {{
+        {36, 60, 0, 48}}};
+    static constexpr std::array<double, 120> tension_squares = {
+        675401.0363124, 2701604.14525, 6078609.326811, 10806416.581, 16885025.90781, 24314437.30725,
+        33094650.77931, 43225666.32399, 54707483.9413, 67540103.63124, 81723525.3938, 97257749.22898,
+        114142775.1368, 132378603.1172, 151965233.1703, 172902665.296, 195190899.4943, 218829935.7652,
+        243819774.1088, 270160414.525, 297851857.0138, 326894101.5752, 357287148.2093, 389030996.9159,
+        422125647.6952, 456571100.5472, 492367355.4717, 529514412.4689, 568012271.5387, 607860932.6811,
+        649060395.8962, 691610661.1839, 735511728.5442, 780763597.9771, 827366269.4827, 875319743.0609,
+        924624018.7117, 975279096.4351, 1027284976.231, 1080641658.1, 1135349142.041, 1191407428.055,
+        1248816516.142, 1307576406.301, 1367687098.533, 1429148592.837, 1491960889.214, 1556123987.664,
+        1621637888.186, 1688502590.781, 1756718095.449, 1826284402.189, 1897201511.001, 1969469421.887,
+        2043088134.845, 2118057649.876, 2194377966.979, 2272049086.155, 2351071007.403, 2431443730.725,
+        2513167256.118, 2596241583.585, 2680666713.124, 2766442644.736, 2853569378.42, 2942046914.177,
+        3031875252.006, 3123054391.908, 3215584333.883, 3309465077.931, 3404696624.051, 3501278972.243,
+        3599212122.509, 3698496074.847, 3799130829.257, 3901116385.74, 4004452744.296, 4109139904.925,
+        4215177867.626, 4322566632.399, 4431306199.246, 4541396568.164, 4652837739.156, 4765629712.22,
+        4879772487.357, 4995266064.566, 5112110443.848, 5230305625.203, 5349851608.63, 5470748394.13,
+        5592995981.703, 5716594371.348, 5841543563.066, 5967843556.856, 6095494352.719, 6224495950.655,
+        6354848350.663, 6486551552.744, 6619605556.898, 6754010363.124, 6889765971.423, 7026872381.794,
+        7165329594.238, 7305137608.755, 7446296425.344, 7588806044.006, 7732666464.74, 7877877687.548,
+        8024439712.427, 8172352539.38, 8321616168.405, 8472230599.503, 8624195832.673, 8777511867.916,
+        8932178705.231, 9088196344.619, 9245564786.08, 9404284029.614, 9564354075.22, 9725774922.898};
+    static constexpr std::array<std::size_t, 0> damped = {};
 
     static constexpr InstrumentData view() {
       return {"tanpura", "tanpura string over its curved bridge, with a thread", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
               knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
-              parameters, events, outputs};
+              parameters, events, outputs,
+              {key_ranges, 4, tension_squares, 1, damped, 0.0, kNoParameter, 4}};
     }
   };
 };

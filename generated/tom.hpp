@@ -8,15 +8,16 @@
 #include <cstddef>
 
 #include "contactspline/instrument/network_instrument.hpp"
+#include "contactspline/instrument/voices.hpp"
 
 namespace contactspline::instruments {
 
 template <std::floating_point T = double>
-class tom : public NetworkInstrument<T> {
+class tom : public Voices<NetworkInstrument<T>> {
  public:
   static constexpr int format_version = 2;  // version of the layout; the runtime checks it
 
-  tom() : NetworkInstrument<T>(data::view()) {
+  tom() : Voices<NetworkInstrument<T>>(data::view()) {
     static_assert(contactspline::fits_runtime<tom>,
                   "generated for another version: run `contactspline generate` again");
   }
@@ -861,6 +862,15 @@ class tom : public NetworkInstrument<T> {
         {"microphone_pressure_pa", "Pa", 60.0},
         {"batter_velocity_m_per_s", "m/s", 3.0},
         {"lower_velocity_m_per_s", "m/s", 2.0}}};
+    static constexpr std::array<KeyRange, 6> key_ranges = {{
+        {41, 41, 0, -1},
+        {43, 43, 0, -1},
+        {45, 45, 0, -1},
+        {47, 47, 0, -1},
+        {48, 48, 0, -1},
+        {50, 50, 0, -1}}};
+    static constexpr std::array<double, 0> tension_squares = {};
+    static constexpr std::array<std::size_t, 0> damped = {};
     static constexpr std::array<PressurePath, 2> pressure_paths = {{
         {0, 1, 27},
         {0, 3, 27}}};
@@ -976,7 +986,7 @@ class tom : public NetworkInstrument<T> {
       return {"tom", "drum with two heads that stretch and the air between them", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
               knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
               parameters, events, outputs,
-              {}, {}, {}, {}, {}, {}, 44100.0, pressure_paths, pressure_taps, {}, stretch_forms, stretch_squares, {}, {}, {}, input_places, 5.0};
+              {key_ranges, 1, tension_squares, 0, damped, 0.0, kNoParameter, kNoParameter}, {}, {}, {}, {}, {}, 44100.0, pressure_paths, pressure_taps, {}, stretch_forms, stretch_squares, {}, {}, {}, input_places, 5.0};
     }
   };
 };

@@ -8,15 +8,16 @@
 #include <cstddef>
 
 #include "contactspline/instrument/network_instrument.hpp"
+#include "contactspline/instrument/voices.hpp"
 
 namespace contactspline::instruments {
 
 template <std::floating_point T = double>
-class trichord_c4 : public NetworkInstrument<T> {
+class trichord_c4 : public Voices<NetworkInstrument<T>> {
  public:
   static constexpr int format_version = 2;  // version of the layout; the runtime checks it
 
-  trichord_c4() : NetworkInstrument<T>(data::view()) {
+  trichord_c4() : Voices<NetworkInstrument<T>>(data::view()) {
     static_assert(contactspline::fits_runtime<trichord_c4>,
                   "generated for another version: run `contactspline generate` again");
   }
@@ -30,6 +31,10 @@ class trichord_c4 : public NetworkInstrument<T> {
   void set_damper_damping_per_s(T value) { this->set(2, double(value)); }
   /// -100 to 100, at the beginning 2.5.
   void set_hammer_speed_m_per_s(T value) { this->set(3, double(value)); }
+  /// 0 to 1, at the beginning 0.
+  void set_sustain(T value) { this->set(4, double(value)); }
+  /// -4800 to 4800, at the beginning 0.
+  void set_bend_cents(T value) { this->set(5, double(value)); }
   void strike_hammer(T speed_m_per_s) { this->strike(0, speed_m_per_s); }
   [[nodiscard]] T bridge_force_n() const { return this->output(0); }
   [[nodiscard]] T soundboard_velocity_m_per_s() const { return this->output(1); }
@@ -273,24 +278,62 @@ class trichord_c4 : public NetworkInstrument<T> {
         {OutputQuantity::kVelocity, 12, 1},
         {OutputQuantity::kForce, 13, 3}}};
     // Values that are allowed, those of sliders, the first one, scale, when it acts, how slowly it follows [s].
-    static constexpr std::array<Parameter, 4> parameters = {{
+    static constexpr std::array<Parameter, 6> parameters = {{
         {"felt_stiffness_ratio", "", {0.01, 100.0}, {0.01, 100.0}, 1.0, Scale::kLogarithmic, Acts::kAtOnce, 0.0},
         {"felt_loss_s_per_m", "s/m", {0.0, 2.0}, {0.0, 2.0}, 0.1, Scale::kLinear, Acts::kAtOnce, 0.0},
         {"damper_damping_per_s", "1/s", {0.0, 1000.0}, {0.0, 1000.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
-        {"hammer_speed_m_per_s", "m/s", {-100.0, 100.0}, {0.0, 10.0}, 2.5, Scale::kLinear, Acts::kAtNextNote, 0.0}}};
+        {"hammer_speed_m_per_s", "m/s", {-100.0, 100.0}, {0.0, 10.0}, 2.5, Scale::kLinear, Acts::kAtNextNote, 0.0},
+        {"sustain", "", {0.0, 1.0}, {0.0, 1.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0, 64, 1},
+        {"bend_cents", "cents", {-4800.0, 4800.0}, {-200.0, 200.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0, 0, 16}}};
     static constexpr std::array<Event, 1> events = {{
         {"strike_hammer", EventKind::kStrike, 0, 3}}};
     static constexpr std::array<Output, 3> outputs = {{
         {"bridge_force_n", "N", 50.0},
         {"soundboard_velocity_m_per_s", "m/s", 0.03},
         {"hammer_force_n", "N", 50.0}}};
+    static constexpr std::array<KeyRange, 1> key_ranges = {{
+        {60, 84, 0, 60}}};
+    static constexpr std::array<double, 199> tension_squares = {
+        2227348.156708, 8909392.626831, 20046133.41037, 35637570.50732, 55683703.91769, 80184533.64148,
+        109140059.6787, 142550282.0293, 180415200.6933, 222734815.6708, 269509126.9616, 320738134.5659,
+        376421838.4836, 436560238.7147, 501153335.2592, 570201128.1172, 643703617.2885, 721660802.7733,
+        804072684.5715, 890939262.6831, 982260537.1081, 1078036507.847, 1178267174.898, 1282952538.264,
+        1392092597.942, 1505687353.934, 1623736806.24, 1746240954.859, 1873199799.791, 2004613341.037,
+        2140481578.596, 2280804512.469, 2425582142.655, 2574814469.154, 2728501491.967, 2886643211.093,
+        3049239626.533, 3216290738.286, 3387796546.352, 3563757050.732, 3744172251.426, 3929042148.432,
+        4118366741.752, 4312146031.386, 4510380017.333, 4713068699.593, 4920212078.167, 5131810153.054,
+        5347862924.255, 5568370391.769, 5793332555.597, 6022749415.737, 6256620972.192, 6494947224.96,
+        6737728174.041, 6984963819.435, 7236654161.143, 7492799199.165, 7753398933.499, 8018453364.148,
+        8287962491.109, 8561926314.384, 2229150.078635, 8916600.314541, 20062350.70772, 35666401.25816,
+        55728751.96588, 80249402.83087, 109228353.8531, 142665605.0327, 180561156.3695, 222915007.8635,
+        269727159.5149, 320997611.3235, 376726363.2893, 436913415.4125, 501558767.6929, 570662420.1306,
+        644224372.7256, 722244625.4778, 804723178.3873, 891660031.4541, 983055184.6781, 1078908638.059,
+        1179220391.598, 1283990445.294, 1393218799.147, 1506905453.157, 1625050407.325, 1747653661.65,
+        1874715216.132, 2006235070.772, 2142213225.568, 2282649680.522, 2427544435.634, 2576897490.902,
+        2730708846.328, 2888978501.911, 3051706457.652, 3218892713.549, 3390537269.604, 3566640125.816,
+        3747201282.186, 3932220738.712, 4121698495.396, 4315634552.238, 4514028909.236, 4716881566.392,
+        4924192523.705, 5135961781.176, 5352189338.803, 5572875196.588, 5798019354.53, 6027621812.63,
+        6261682570.886, 6500201629.3, 6743178987.871, 6990614646.6, 7242508605.486, 7498860864.529,
+        7759671423.729, 8024940283.087, 8294667442.602, 8568852902.274, 2231211.203053, 8924844.812212,
+        20080900.82748, 35699379.24885, 55780280.07632, 80323603.30991, 109329348.9496, 142797516.9954,
+        180728107.4473, 223121120.3053, 269976555.5694, 321294413.2396, 377074693.3159, 437317395.7984,
+        502022520.6869, 571190067.9816, 644820037.6823, 722912429.7892, 805467244.3021, 892484481.2212,
+        983964140.5463, 1079906222.278, 1180310726.415, 1285177652.958, 1394507001.908, 1508298773.264,
+        1626552967.026, 1749269583.194, 1876448621.768, 2008090082.748, 2144193966.134, 2284760271.926,
+        2429789000.125, 2579280150.729, 2733233723.74, 2891649719.157, 3054528136.979, 3221868977.208,
+        3393672239.844, 3569937924.885, 3750666032.332, 3935856562.185, 4125509514.445, 4319624889.111,
+        4518202686.182, 4721242905.66, 4928745547.544, 5140710611.834, 5357138098.53, 5578028007.632,
+        5803380339.141, 6033195093.055, 6267472269.376, 6506211868.102, 6749413889.235, 6997078332.774,
+        7249205198.719, 7505794487.07, 7766846197.827, 8032360330.991, 8302336886.56, 8576775864.536, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+    static constexpr std::array<std::size_t, 3> damped = {0, 1, 2};
     static constexpr std::array<std::size_t, 1> input_places = {8};
 
     static constexpr InstrumentData view() {
       return {"trichord_c4", "three strings of C4 under one hammer, on a soundboard", "MIT", angular_frequencies, decays, masses, body_ends, place_bodies, shapes,
               knots, energies, forces, half_curvatures, table_ends, connections, controls, targets, strikes, plucks, sources,
               parameters, events, outputs,
-              {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, input_places, 50.0};
+              {key_ranges, 4, tension_squares, 0, damped, 60.0, 4, 5}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, input_places, 50.0};
     }
   };
 };

@@ -86,7 +86,8 @@ def tom(p):
             "strikes": ["stick"],
             "outputs": [{"name": "microphone", "pressure_pa": "batter", "distance_m": number(p["distance"], 2), "angle_rad": 0.6, "full_scale": 60},
                         {"name": "batter", "velocity_m_per_s": "pickup", "full_scale": 3},
-                        {"name": "lower", "velocity_m_per_s": "lower_mean", "full_scale": 2}]}
+                        {"name": "lower", "velocity_m_per_s": "lower_mean", "full_scale": 2}],
+            "keys": [{"key": key, "event": "strike_stick"} for key in (41, 43, 45, 47, 48, 50)]}
 
 
 def snare(p):
@@ -117,7 +118,8 @@ def snare(p):
             "strikes": ["stick"],
             "outputs": [{"name": "microphone", "pressure_pa": "lower", "distance_m": number(p["distance"], 2), "angle_rad": 0.6, "full_scale": 70},
                         {"name": "head", "velocity_m_per_s": "pickup", "full_scale": 2},
-                        {"name": "wires", "force_n": [f"rattle_{i}" for i in wires]}]}
+                        {"name": "wires", "force_n": [f"rattle_{i}" for i in wires]}],
+            "keys": [{"key": key, "event": "strike_stick"} for key in (38, 40)]}
 
 
 DRUMS = {  # fitted: range of each, searched by ratios

@@ -108,7 +108,8 @@ Source instrument_source(std::string_view file, InstrumentSource instrument, dou
   if (const auto body = silent_body(instrument.model, max_frequency_hz))
     refuse(file, "bodies", fmt::format("body '{}' has no mode below {} Hz", *body, max_frequency_hz),
            "a higher --rate, a lower frequency, or losses below the frequencies");
-  auto obstacle = faust_obstacle(instrument.model, arrays_of(instrument.model, max_frequency_hz));
+  const InstrumentModel played = without_keys(instrument.model);
+  auto obstacle = faust_obstacle(played, arrays_of(played, max_frequency_hz));
   return {name,
           [=, model = std::move(instrument.model)](const Emitter& emitter, std::string_view command) {
             return emit(emitter, model, max_frequency_hz, command);

@@ -448,10 +448,15 @@ TemplateValues json_values(const InstrumentModel& model, const InstrumentArrays&
 
 std::string emit(const Emitter& emitter, const InstrumentModel& model, double max_frequency_hz,
                  std::string_view command) {
-  const InstrumentArrays arrays = arrays_of(model, max_frequency_hz);
-  TemplateValues values = emitter.name == "cpp"    ? cpp_values(model, arrays)
+  const bool is_faust = emitter.name == "faust";
+  const InstrumentModel played = is_faust ? without_keys(model) : model;
+  const InstrumentArrays arrays = arrays_of(played, max_frequency_hz);
+  TemplateValues values = is_faust                 ? faust_instrument_values(played, arrays)
                           : emitter.name == "json" ? json_values(model, arrays)
-                                                   : faust_instrument_values(model, arrays);
+                                                   : cpp_values(model, arrays);
+  if (is_faust)
+    values["KEYS"] =
+        model.keys.ranges.empty() ? "" : "\n// Keys are left out: buttons play it, at the pitch of its file.";
   values["VERSION"] = CONTACTSPLINE_VERSION;
   values["COMMAND"] = command;
   values["NAME"] = model.name;

@@ -631,7 +631,6 @@ std::optional<std::string> joined_strike(const InstrumentModel& model, const Ins
 }  // namespace
 
 std::optional<std::string> faust_obstacle(const InstrumentModel& model, const InstrumentArrays& arrays) {
-  if (!model.keys.ranges.empty()) return fmt::format("{} has keys, which only the C++ class plays", model.name);
   for (const ConnectionGroup& group : model.connections)
     if (group.each.kind == ConnectionKind::kFriction)
       return fmt::format("{} has the friction {}, which only the C++ class plays", model.name, group.name);

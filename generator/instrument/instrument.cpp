@@ -412,6 +412,14 @@ void tune(InstrumentModel& model, double cents) {
     if (auto* string = std::get_if<StiffString>(&body.resonator.body)) string->detuning_cents.front() += cents;
 }
 
+InstrumentModel without_keys(InstrumentModel model) {
+  const std::size_t rest = std::min({model.parameters.size(), model.keys.sustain, model.keys.bend});
+  model.parameters.erase(model.parameters.begin() + std::ptrdiff_t(rest), model.parameters.end());
+  for (ModelPreset& preset : model.presets) preset.values.resize(rest);
+  model.keys = {};
+  return model;
+}
+
 std::optional<std::string> silent_body(const InstrumentModel& model, double max_frequency_hz) {
   for (const InstrumentBody& body : model.bodies)
     if (modes_of(body.resonator, max_frequency_hz).modes.empty()) return body.name;

@@ -195,6 +195,9 @@ struct InstrumentArrays {
 /// Tunes all strings by a change of tension, -1200 to 1200 cents; they add to what the file says.
 void tune(InstrumentModel& model, double cents);
 
+/// One copy of the instrument without keys: its parameters lack the pedal and the bend, which are the last ones.
+[[nodiscard]] InstrumentModel without_keys(InstrumentModel model);
+
 /// The first body without a mode below max_frequency_hz.
 [[nodiscard]] std::optional<std::string> silent_body(const InstrumentModel& model, double max_frequency_hz);
 

@@ -267,6 +267,20 @@ void read_event(const JsonObject& event, const InstrumentModel& model, const Mid
     event.fail(event.key("time_s"), "nothing happens", "beside a control, a strike or a key");
 }
 
+// Does a voice play keys, or move what only they have?
+bool needs_keys(const Voice& voice) {
+  const ModelKeys& keys = voice.model->keys;
+  return !voice.notes.empty() || std::ranges::any_of(voice.glides, [&](const Glide& glide) {
+    return glide.control == keys.sustain || glide.control == keys.bend;
+  });
+}
+
+// A score that plays no keys needs no copies for them: one is plucked and struck, as of a file without keys.
+void leave_out_keys(Voice& voice) {
+  voice.model = without_keys(*voice.model);
+  voice.initial.resize(voice.model->parameters.size());
+}
+
 }  // namespace
 
 Score parse_midi_on_instrument(std::string_view bytes, std::string_view file, std::span<const int> channels,
@@ -320,6 +334,8 @@ Score parse_score_on(const JsonObject& score, std::string_view file, const Instr
   const MidiSettings keys = model.keys.ranges.empty() ? MidiSettings() : settings_of(model, tuning);
   for (const JsonObject& event : score.objects("events", event_keys(model), kMaxEvents))
     read_event(event, model, keys, result.duration_s, result.voices);
+  if (model.module == nullptr && std::ranges::none_of(result.voices, [&](const Voice& v) { return needs_keys(v); }))
+    for (Voice& voice : result.voices) leave_out_keys(voice);
   sort_by_time(result.voices);
   return result;
 }

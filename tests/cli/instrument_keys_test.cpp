@@ -152,13 +152,13 @@ TEST_F(KeysOnTheCommandLine, OfHostsArePlayedWithoutKeys) {
   EXPECT_NE(left_out(9).find("nothing to strike there: keys 42 closed hi-hat (1)\n"), std::string::npos);
 }
 
-// The keys that docs/how-to/midi.md adds to the tanpura.
+// The keys that docs/how-to/midi.md changes are those of the tanpura.
 TEST_F(KeysOnTheCommandLine, OfThePageArePlayed) {
   const std::string page = read_file(fs::path(SOURCE_FOLDER) / "docs/how-to/midi.md"), fence = "```jsonc\n";
   const auto begin = page.find(fence) + fence.size();
-  const std::string keys = page.substr(begin, page.find("```", begin) - begin), bodies = "  \"bodies\"";
+  const std::string keys = page.substr(begin, page.find("```", begin) - begin);
   const std::string tanpura = run_here({"show", "tanpura", "--name", "my_tanpura"}).out;
-  write_file(box_ / "my_tanpura.json", changed(tanpura, bodies, keys + bodies));
+  write_file(box_ / "my_tanpura.json", changed(tanpura, keys, changed(keys, "36", "30")));
   const Outcome played = render("song.mid", "my_tanpura.json");
   EXPECT_EQ(played.exit_code, 0) << played.err;
 }
@@ -253,13 +253,19 @@ TEST_F(KeysOnTheCommandLine, AndOtherPartsHaveNoHeadingWhereThereAreNone) {
   EXPECT_EQ(fmt::format("{}", fmt::join(headings, "; ")), "bodies, at 44100 Hz; places; parameters; outputs");
 }
 
-TEST_F(KeysOnTheCommandLine, HaveNoFaustText) {
-  const std::string why = "probe has keys, which only the C++ class plays";
-  expect_refused(run_here({"generate", "probe.json", "-o", "out", "--emit", "faust"}), "probe.json: --emit: " + why,
-                 "allowed: cpp");
-  const Outcome outcome = run_here({"generate", "probe.json", "-o", "out"});
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_EQ(outcome.out, "wrote out/probe.hpp\nwrote out/probe.json\nleft out probe.lib: " + why + "\n");
+// The text is that of the file without its keys, but for a line that says so.
+TEST_F(KeysOnTheCommandLine, AreLeftOutOfFaustText) {
+  fs::create_directory(box_ / "keyless");
+  write_file(box_ / "keyless/probe.json", without_keys());
+  const auto text = [&](const std::string& file, const std::string& folder) {
+    const Outcome outcome = run_here({"generate", file, "-o", folder, "--emit", "faust"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    const std::string lib = read_file(box_ / folder / "probe.lib");
+    return lib.substr(0, lib.find("// Written by")) + lib.substr(lib.find("// A program of its own"));
+  };
+  EXPECT_EQ(
+      changed(text("probe.json", "a"), "\n// Keys are left out: buttons play it, at the pitch of its file.", ""),
+      text("keyless/probe.json", "b"));
 }
 
 // Events of a score play keys as a MIDI file does.

@@ -285,7 +285,8 @@ TYPED_TEST(EveryInstrument, AdvancesWhereNobodyWantsAnOutput) {
     for (const bool is_wanted : {true, false}) {
       Hosted<TypeParam> hosted(make());
       hosted.prepare(kRate);
-      hosted.midi(std::array<std::uint8_t, 3>{0x90, 60, 100});
+      for (const std::uint8_t key : std::array<std::uint8_t, 3>{60, 52, 47})  // the gong has 52 alone, the tom 47
+        hosted.midi(std::array<std::uint8_t, 3>{0x90, key, 100});
       std::vector<TypeParam> sound(1000);
       std::vector<TypeParam*> outputs(hosted.instrument().outputs().size());
       if (is_wanted) outputs.front() = sound.data();

@@ -86,7 +86,8 @@ TEST(InstrumentFile, OfAHammerStringIsTheHammerString) {
         << i;
 }
 
-// Drives the emitted class by a voice of a score and compares its first output with what `render` plays, bit by bit.
+// Drives a voice of the emitted class, without its keys, by one of a score, and compares its first output with what
+// `render` plays, bit by bit.
 template <typename Emitted>
 void expect_same_as_render(const std::string& score_name) {
   Score score = shipped_score(score_name);
@@ -100,7 +101,7 @@ void expect_same_as_render(const std::string& score_name) {
   options.only_voice = voice;
   const Performance expected = play(score, options, [](double) {});
 
-  const auto emitted = std::make_unique<Emitted>(kRate);
+  const auto emitted = std::make_unique<NetworkInstrument<double>>(Emitted::data::view(), kRate);
   ControlTrack controls(played, kRate);
   StrikeTrack strikes(played.strikes, kRate);
   double largest = 0;
@@ -127,19 +128,19 @@ TEST(EmittedClass, PlaysTheSamplesOfRender) {
 }
 
 TEST(EmittedClass, PlaysTheSamplesOfRenderForAPluck) {
-  instruments::tanpura<> emitted(kRate);
+  NetworkInstrument<double> emitted(instruments::tanpura<>::data::view(), kRate);
   Score score = parse_score(R"({ "instrument": "tanpura", "duration_s": 0.5,
       "events": [ { "time_s": 0, "finger_force_n": 0.4 }, { "time_s": 0.01, "finger_force_n": 0 },
                   { "time_s": 0.2, "bridge_gap_shift_m": -1e-6, "hand_damping_per_s": 3 } ] })",
                             "probe.json", shipped_file);
   const Performance expected = play(score, {kRate}, [](double) {});
   for (std::size_t n = 0; n < expected.samples.size(); ++n) {
-    if (n == 0) emitted.set_finger_force_n(0.4);
-    if (n == 441) emitted.set_finger_force_n(0);
-    if (n == 8820) emitted.set_bridge_gap_shift_m(-1e-6);
-    if (n == 8820) emitted.set_hand_damping_per_s(3);
+    if (n == 0) emitted.set(0, 0.4);
+    if (n == 441) emitted.set(0, 0);
+    if (n == 8820) emitted.set(2, -1e-6);
+    if (n == 8820) emitted.set(1, 3);
     emitted.tick();
-    ASSERT_EQ(static_cast<float>(emitted.wire_end_force_n()), expected.samples[n]) << n;
+    ASSERT_EQ(static_cast<float>(emitted.output(0)), expected.samples[n]) << n;
   }
 }
 

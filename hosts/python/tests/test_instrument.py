@@ -229,20 +229,20 @@ def test_parts_are_mixed_by_the_controllers_of_their_channels(tmp_path):
     note = b"\0\x90\x3c\x60" b"\x30\x80\x3c\0" b"\0\xff\x2f\0"
     for path, before in ((plain, b""), (song, b"\0\xb0\x07\x50" b"\0\xb0\x0a\0")):  # volume 80, pan hard left
         path.write_bytes(SONG[:14] + b"MTrk" + (len(before) + len(note)).to_bytes(4, "big") + before + note)
-    tom = cs.play_score(plain, instrument={1: "tom"}).samples
-    mixed = cs.play_score(song, instrument={1: "tom"}).samples
-    assert tom.shape == (len(mixed),) and mixed.shape[1:] == (2,) and not mixed[:, 1].any()
-    assert np.allclose(mixed[:, 0], math.sqrt(2) * 0.8**2 * tom, rtol=0, atol=1e-6 * np.max(np.abs(tom)))
+    alone = cs.play_score(plain, instrument={1: "trichord_c4"}).samples
+    mixed = cs.play_score(song, instrument={1: "trichord_c4"}).samples
+    assert alone.shape == (len(mixed),) and mixed.shape[1:] == (2,) and not mixed[:, 1].any()
+    assert np.allclose(mixed[:, 0], math.sqrt(2) * 0.8**2 * alone, rtol=0, atol=1e-6 * np.max(np.abs(alone)))
 
 
 def test_a_path_is_a_name_and_stands_in_messages_as_it_is(tmp_path, program):
     folder = tmp_path / "a,b--channel"
     folder.mkdir()
-    song, tom = folder / "song.mid", folder / "my=tom.json"
+    song, trichord = folder / "song.mid", folder / "my=trichord.json"
     song.write_bytes(SONG)
-    tom.write_text(program("show", "tom", "--name", "my_tom").stdout)
-    played = cs.play_score(song, instrument=tom)
-    assert np.array_equal(cs.play_score(song, instrument={1: tom}).samples, played.samples)
+    trichord.write_text(program("show", "trichord_c4", "--name", "my_trichord").stdout)
+    played = cs.play_score(song, instrument=trichord)
+    assert np.array_equal(cs.play_score(song, instrument={1: trichord}).samples, played.samples)
     with pytest.raises(cs.Error, match=r"a,b--channel/song\.mid: MIDI: no note is on channel 2; allowed: channel 1"):
         cs.play_score(song, channel=2)
 
