@@ -10,8 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "contactspline/host/model_module.hpp"
-#include "contactspline/instrument/network_instrument.hpp"
+#include "contactspline/data/instrument_data.hpp"
 #include "contactspline/step/contact.hpp"
 #include "generator/resonator/plate_stretching.hpp"
 #include "generator/resonator/radiation.hpp"
@@ -19,6 +18,8 @@
 #include "generator/support/json_reader.hpp"
 
 namespace contactspline {
+
+struct ModelModule;
 
 /// A resonator, or a free mass as a table of one mode with the shape 1.
 struct InstrumentBody {

@@ -21,6 +21,9 @@
 
 namespace contactspline {
 
+/// Stands for a place that does not move.
+inline constexpr std::size_t kGround = (std::numeric_limits<std::size_t>::max)();
+
 enum class ConnectionKind { kContact, kSpring, kLink, kFriction };
 
 /// What rubs, how wide it is across the motion, what presses it, and how fast the surface of the first place moves by

@@ -6,13 +6,13 @@
 
 #include <concepts>
 #include <cstddef>
-#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "contactspline/data/friction_materials.hpp"
+#include "contactspline/data/instrument_data.hpp"
 #include "contactspline/data/stretch_form.hpp"
 #include "contactspline/modal/modal.hpp"
 #include "contactspline/modal/string_place.hpp"
@@ -20,9 +20,6 @@
 #include "contactspline/step/memory.hpp"
 
 namespace contactspline {
-
-/// Stands for a place that does not move.
-inline constexpr std::size_t kGround = (std::numeric_limits<std::size_t>::max)();
 
 /// Consecutive connections of a network.
 struct ConnectionRange {
