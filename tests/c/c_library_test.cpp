@@ -19,6 +19,7 @@
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
 #include "instrument/instrument_lists.hpp"
+#include "support/compare.hpp"
 #include "support/measured.hpp"
 #include "support/random.hpp"
 #include "support/real_time.hpp"
