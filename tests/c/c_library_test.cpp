@@ -19,6 +19,7 @@
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
 #include "instrument/instrument_lists.hpp"
+#include "support/compare.hpp"
 #include "support/measured.hpp"
 #include "support/random.hpp"
 #include "support/real_time.hpp"
@@ -286,6 +287,42 @@ TEST(CLibraryBlocks, PlayEventsAtTheirSamples) {
   EXPECT_EQ(contactspline_energy(timed.get()), contactspline_energy(split.get()));
 }
 
+// An input pushes, also in the array of an output and in either precision, what the class plays in parts between
+// events. What has no input ignores it.
+TEST(CLibraryInput, PushesTheBody) {
+  std::vector<double> input(600);
+  for (std::size_t n = 0; n < input.size(); ++n) input[n] = 3 * std::sin(0.05 * static_cast<double>(n * n % 997));
+  const contactspline_timed_event strike = {100, CONTACTSPLINE_STRIKE, 0, 1, 0};
+  instruments::tom<double> tom(kRate);
+  std::vector<std::vector<double>> expected(3, input);
+  const auto play = [&](std::size_t begin, std::size_t end) {
+    std::array<std::span<double>, 3> part;
+    for (std::size_t o = 0; o < 3; ++o) part[o] = std::span(expected[o]).subspan(begin, end - begin);
+    tom.process(part, {}, std::span<const double>(input).subspan(begin, end - begin));
+  };
+  play(0, 100);
+  tom.strike(0, 1);
+  play(100, 600);
+  const Handle of_library = create("tom"), single = create("tom"), string = create("hammer_string");
+  EXPECT_EQ(contactspline_input_scale(of_library.get()), tom.input_scale_n());
+  EXPECT_EQ(contactspline_input_scale(string.get()), 0);
+  Block<double> block(3);
+  std::ranges::copy(input, block.sound[1].begin());
+  contactspline_process_input_double(of_library.get(), &strike, 1, block.sound[1].data(), block.pointers.data(),
+                                     nullptr, 600);
+  for (std::size_t o = 0; o < 3; ++o) EXPECT_TRUE(same_bits(block.sound[o].data(), expected[o].data(), 600)) << o;
+  const std::vector<float> input_in_single(input.begin(), input.end());
+  Block<float> in_single(3);
+  contactspline_process_input(single.get(), &strike, 1, input_in_single.data(), in_single.pointers.data(), nullptr,
+                              600);
+  EXPECT_TRUE(sequences_within(std::span<const float>(in_single.sound[0]).first(600),
+                               std::span<const float>(std::vector<float>(expected[0].begin(), expected[0].end())),
+                               1e-4));
+  Block<double> silent(contactspline_output_count(string.get()));
+  contactspline_process_input_double(string.get(), nullptr, 0, input.data(), silent.pointers.data(), nullptr, 600);
+  EXPECT_EQ(contactspline_energy(string.get()), 0);
+}
+
 // An instrument that has fallen silent is exactly 0, until it is played again.
 TEST(CLibraryBlocks, AreZeroWhileItSleeps) {
   Handle tube = create("marimba_tube");
@@ -494,6 +531,9 @@ TEST(CLibraryNull, DoesNothing) {
   contactspline_process(nullptr, nullptr, nullptr, 64);
   contactspline_process_double(nullptr, nullptr, nullptr, 64);
   contactspline_process_events(nullptr, nullptr, 0, nullptr, nullptr, 64);
+  contactspline_process_input(nullptr, nullptr, 0, nullptr, nullptr, nullptr, 64);
+  contactspline_process_input_double(nullptr, nullptr, 0, nullptr, nullptr, nullptr, 64);
+  EXPECT_EQ(contactspline_input_scale(nullptr), 0);
   contactspline_play(nullptr, nullptr);
   contactspline_reset(nullptr);
   EXPECT_EQ(contactspline_energy(nullptr), 0);

@@ -69,7 +69,8 @@ const std::string kGood = R"({
     { "name": "felt", "force_n": ["felt", "rattle"] },
     { "name": "corner", "velocity_m_per_s": "corner", "full_scale": 0.06 },
     { "name": "ear", "pressure_pa": "lid", "distance_m": 0.81, "angle_rad": 0.3, "around_rad": 1.3, "side_m": 0.09 }
-  ]
+  ],
+  "input": { "force_n": ["spot", "corner"], "full_scale": 3.5 }
 })";
 
 std::vector<BadFile> long_cases() {
