@@ -8,11 +8,13 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "contactspline/host/hosted.hpp"
+#include "hosts/plugin/macros.hpp"
 #include "runtime/random_controls.hpp"
 #include "support/compare.hpp"
 #include "support/finite.hpp"
@@ -112,6 +114,22 @@ TYPED_TEST(EveryInstrument, HasListsThatFitEachOther) {
     expect_real_time([&] { (void)instrument.presets(); });  // also the first time
     for (const Preset& preset : instrument.presets())
       ASSERT_EQ(preset.values.size(), instrument.parameters().size()) << preset.name;
+  });
+}
+
+// Of its plug-in: at least one, each of parameters that it has.
+TYPED_TEST(EveryInstrument, HasMacros) {
+  TestFixture::for_each([](const auto make) {
+    const auto instrument = make();
+    std::vector<std::size_t> all(instrument->parameters().size());
+    std::iota(all.begin(), all.end(), 0);
+    std::string names;
+    for (const MacroOf& macro : macros_of(instrument->parameters(), instrument->events(), all)) {
+      EXPECT_FALSE(macro.moved.empty());
+      names += std::string(" ") + macro.macro->parameter.name;
+    }
+    EXPECT_NE(names, "");
+    Measured() << instrument->name() << ":" << names;
   });
 }
 

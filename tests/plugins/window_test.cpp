@@ -108,10 +108,10 @@ TEST_P(WindowInHost, ADragMovesTheParameterOfTheHost) {
   open(1);
   ASSERT_TRUE(shows(is_drawn));
   const double before = plugin_.value("hammer mass");
-  button(66, 448, true);
-  motion(66, 448 - 45);  // a quarter of the way
+  button(150, 354, true);
+  motion(150, 354 - 45);  // a quarter of the way
   advance(1);
-  button(66, 448 - 45, false);
+  button(150, 354 - 45, false);
   advance(1);
   ASSERT_EQ(plugin_.told().size(), 1u);
   const double told = plugin_.told().back().second, moved = plugin_.value("hammer mass");
