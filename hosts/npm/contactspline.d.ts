@@ -34,6 +34,8 @@ export interface Description {
   name: string;
   title: string;
   description: string;
+  /** Of an instrument file with keys: first, last, and the number of the event that they play. */
+  ranges: [number, number, number][];
   /** The first and the last key of MIDI; null where the keys from 60 on play the events. */
   keys: [first: number, last: number] | null;
   /** Of a key that is struck without one. */
@@ -160,8 +162,22 @@ export interface MidiFile {
   remarks: string[];
   /** Of the last track. */
   end: number;
+  /** With notes: the number of each, 1 to 16, the program of its first note, 1 to 128, and how many there are. */
+  channels: { channel: number; program: number; notes: number }[];
+  /** Notes of other channels. */
+  unchosen: number;
   /** For midi(), by rising time. The last ones let all keys go. */
-  messages: { time: number; bytes: number[] }[];
+  messages: MidiMessages;
+}
+
+export type MidiMessages = { time: number; bytes: number[] }[];
+
+/** A MIDI file in parts: what each instrument plays. */
+export interface MidiParts<I> {
+  title: string;
+  remarks: string[];
+  end: number;
+  parts: { instrument: I; channels: number[]; messages: MidiMessages }[];
 }
 
 /** An instrument file as the generator read it. */
@@ -187,7 +203,10 @@ export interface Generator {
   /** Designs the material of a file's text. Messages call it `file`. */
   design(text: string, file: string): Design;
   /** Reads a MIDI file: of the channels, all but the tenth, which is for drums. Throws one line, which calls it `file`. */
-  readMidi(bytes: Uint8Array, file: string): MidiFile;
+  readMidi(bytes: Uint8Array, file: string, options?: { channels?: number[] }): MidiFile;
+  /** Reads a MIDI file for several instruments: by channel, by the program of a channel's first note (p1 to p128), or all others
+   * but the tenth (*), as { 1: "trichord_c4", 10: "kit", "*": "piano" }. */
+  readMidi<I>(bytes: Uint8Array, file: string, options: { instruments: Record<string, I> }): MidiParts<I>;
   /** The cents of the 128 keys of MIDI above equal temperament, by the texts of files of Scala (.scl, .kbm) and the pitch of A4 [Hz].
    * NaN: the key does not sound. Throws one line. */
   readTuning(files?: { scale?: string; keymap?: string; a4?: number }): Float64Array;

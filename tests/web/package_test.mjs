@@ -206,6 +206,34 @@ const cases = {
     }
   },
 
+  "a MIDI file plays on several instruments as by the program": async () => {
+    const song = midiFile(trackOf(
+      [0, 0xc2, 26], [0, 0x90, 60, 90], [10, 0x92, 55, 80], [20, 0x99, 48, 100], [30, 0x94, 60, 50], [100, 0x99, 36, 90], [200, 0x80, 60, 64], [300, 0x82, 55, 64],
+    ));
+    const instruments = { 1: "piano", 10: "kit", p27: "lap_steel" };
+    const { parts, remarks } = generator.readMidi(song, "song.mid", { instruments });
+    assert.deepEqual(parts.map(({ instrument, channels }) => [instrument, channels]), [["piano", [1]], ["lap_steel", [3]], ["kit", [10]]]);
+    assert.deepEqual(remarks, ["left out: notes of channels that instruments does not name: 5 (1)"]);
+    for (const { instrument, channels, messages } of parts) {
+      const fullScale = instrument === "piano" ? 1 / 12 : fullScaleOf(program, instrument);
+      const expected = renderedMidi(program, song, instrument, fullScale, channels).map((channel) => channel.slice(0, -kFaded));
+      const sounds = soundOf(await Player.create(instrument, kRate), messages, expected[0].length).slice(0, expected.length);
+      const worst = sounds.map((sound, k) => assertEqualSound(instrument, Array.from(sound), expected[k], instrument === "kit" ? 1e-3 : 1e-4));
+      console.log(`  ${instrument}: within ${Math.max(...worst).toExponential(1)} of the peak`);
+    }
+    assert.deepEqual(generator.readMidi(song, "song.mid", { instruments: { 1: "piano", "*": "piano" } }).parts.map(({ channels }) => channels), [[1, 3, 5]], "all but the drums");
+    assert.deepEqual(generator.readMidi(song, "song.mid", { channels: [10] }).channels, [{ channel: 10, program: 1, notes: 2 }]);
+    for (const [options, line] of [
+      [{ instruments: { 17: "kit" } }, "contactspline: instruments: '17' names no channel; allowed: 1 to 16, p1 to p128 for programs, or *, such as { 10: \"kit\", \"*\": \"piano\" }"],
+      [{ instruments: { p129: "kit" } }, /^contactspline: instruments: 'p129' names no channel; /],
+      [{ instruments: { 7: "kit" } }, /^contactspline: song\.mid: MIDI: no note is on a channel that instruments names; /],
+      [{ instruments: null }, /^contactspline: song\.mid: MIDI: no note is on a channel that instruments names; /],
+      [{ channels: [0] }, "contactspline: channels: 0 is no list of channels; allowed: numbers from 1 to 16"],
+      [{ channels: "1" }, /^contactspline: channels: 1 is no list of channels; /],
+    ])
+      assert.throws(() => generator.readMidi(song, "song.mid", options), { message: line });
+  },
+
   "a damaged MIDI file is one line, or plays": () => {
     const [bytes] = Object.values(kMidiFiles);
     let lines = 0;
@@ -548,7 +576,8 @@ const browserCases = {
         const { keys, events, parameters } = node.description;
         for (const { name } of events) node.strike(name, undefined, 0.01);
         for (const { name } of events) if (name.startsWith("bow_")) node.strike(name, 0, 0.1); // so that the damper falls
-        if (keys || parameters.some(({ controller }) => controller === 64)) node.noteOn(60, 0.7, 0.01), node.noteOff(60, 0.1), node.noteOn(60, 0.7, 0.2);
+        const key = Math.min(60, keys?.[1] ?? 60);
+        if (keys || parameters.some(({ controller }) => controller === 64)) node.noteOn(key, 0.7, 0.01), node.noteOff(key, 0.1), node.noteOn(key, 0.7, 0.2);
         await node.sent();
         return (await context.startRendering()).getChannelData(0);
       };

@@ -38,9 +38,10 @@ export function renderedScore(program, score, channels, samples = kSamples) {
   return sound.map((channel) => channel.slice(0, samples).map((x) => x / kGain));
 }
 
-/** The sound of a MIDI file on an instrument, in single precision, of this full scale [m/s or N]. */
-export const renderedMidi = (program, bytes, instrument, fullScale) =>
-  renderedFile(program, "song.mid", bytes, ["--gain", String(-20 * Math.log10(fullScale)), "--precision", "single", "--tail", "1", "--instrument", instrument]);
+/** The sound of a MIDI file, or of these channels, on an instrument, in single precision, of this full scale [m/s or N]. */
+export const renderedMidi = (program, bytes, instrument, fullScale, channels = []) =>
+  renderedFile(program, "song.mid", bytes, ["--gain", String(-20 * Math.log10(fullScale)), "--precision", "single", "--tail", "1", "--instrument", instrument,
+    ...channels.flatMap((channel) => ["--channel", String(channel)])]);
 
 /** The first output after an event, of a score with more keys. */
 export function rendered(program, instrument, event, value, more = {}, samples = kSamples) {

@@ -33,8 +33,22 @@ const kScoreStudies = 1500; // milliseconds between two notes of a score that ar
 const kFirstScore = "fur_elise";
 const kMaxPast = 100;
 const kFirstFrames = 50; // milliseconds in which the stage begins to move
+const kChannels = Array.from({ length: 16 }, (_, i) => i + 1); // of MIDI
+const kDrums = 10;
 
 const byId = (id) => document.getElementById(id);
+
+// Has an instrument a key of MIDI? One without keys takes any.
+function hasKey({ keys, ranges }, key) {
+  if (!keys) return true;
+  return (ranges.length > 0 ? ranges : [keys]).some(([first, last]) => key >= first && key <= last);
+}
+
+// How many notes of MIDI messages an instrument has no keys for, in words, if there are some.
+function lacking(instrument, messages) {
+  const { length } = messages.filter(({ bytes: [status, key, velocity] }) => (status & 0xf0) === 0x90 && velocity > 0 && !hasKey(instrument, key));
+  return length > 0 ? [`left out: notes that ${instrument.title} has no key for (${length})`] : [];
+}
 
 // What a browser keeps for its user, where it keeps something at all.
 const kStore = "contactspline.";
@@ -181,7 +195,7 @@ class Page {
       background: this.background,
       instruments: this.instruments,
       stiffness: this.comparison.stiffness,
-      hear: (state, velocity, key = kMiddleC) => this.show(state).then(() => this.strikeOnce(key, velocity)),
+      hear: (state, velocity, key) => this.show(state).then(() => this.hearNote(velocity, key)),
       piece: () => this.playOrStop(kFirstScore),
       at: () => this.changed(),
       moves: this.run,
@@ -273,6 +287,8 @@ class Page {
     parameters.forEach((_, number) => this.sendControl(number));
     byId("pedal").checked = this.value("sustain") >= 0.5;
     this.showButtons(events);
+    this.lastEvent = undefined;
+    if (!this.hasKey(this.keys.first)) this.keys.goTo(12 * Math.floor(this.nearestKey() / 12));
     for (const id of ["keys", "octave-down", "octave-up", "pedal-box"]) byId(id).hidden = keys === null;
     byId("keys-note").textContent = keys
       ? "The middle row of them is the white keys, the row above it the black ones; the first two of the lowest row change the octave."
@@ -299,7 +315,7 @@ class Page {
         const button = document.createElement("button");
         button.textContent = capital(label);
         button.className = number === 0 ? "primary" : "";
-        button.addEventListener("click", () => this.strikeOnce(events.length > 0 ? kMiddleC + number : undefined));
+        button.addEventListener("click", () => (events.length > 0 ? this.playEvent(number) : this.strikeOnce()));
         return button;
       }),
     );
@@ -333,12 +349,29 @@ class Page {
     await this.perform(name, instrument, { ...performanceOf(score, this.instruments.get(instrument)), gain: this.gainOfScore(name) });
   }
 
-  /** Plays a standard MIDI file on the piano. One line says what is wrong with it. */
+  // The instrument of the menu, if its keys have pitches; the first one, which nobody chose, gives way to the piano.
+  playerOfMidi() {
+    return this.instrument !== kFirst && this.played().isTunable ? this.instrument : "piano";
+  }
+
+  // A MIDI file by its parts: what plays it, and the kit where there are drums.
+  midiParts(bytes, name) {
+    const read = (channels) => this.editor.generator.readMidi(bytes, name, { channels });
+    const all = read(kChannels); // says what is wrong with the file
+    const isDrum = ({ channel }) => channel === kDrums;
+    const hasOthers = all.channels.some((one) => !isDrum(one)), others = hasOthers ? read([]) : null;
+    const drums = others?.unchosen === 0 ? [] : [{ ...read([kDrums]), instrument: "kit" }];
+    return { ...all, parts: [...(others ? [{ ...others, instrument: this.playerOfMidi() }] : []), ...drums] };
+  }
+
+  /** Plays a standard MIDI file, its drums on the kit. One line says what is wrong with it, or left out. */
   async playMidi(file) {
     try {
-      const read = this.editor.generator.readMidi(new Uint8Array(await file.arrayBuffer()), file.name);
-      await this.perform(file.name, "piano", scoreOfMidi(read).played);
-      byId("midi").textContent = `${[`Plays ${file.name}`, ...read.remarks].join("; ")}.`;
+      const { parts, ...read } = this.midiParts(new Uint8Array(await file.arrayBuffer()), file.name);
+      const [{ instrument }, ...others] = parts;
+      await this.perform(file.name, instrument, { ...scoreOfMidi({ ...read, parts }).played, parts: others.map((part) => this.instrumentMessage(part.instrument)) });
+      const lack = parts.flatMap(({ instrument, messages }) => lacking(this.instruments.get(instrument), messages));
+      byId("midi").textContent = `${[`Plays ${file.name}`, ...read.remarks, ...lack].join("; ")}.`;
     } catch (error) {
       byId("midi").textContent = error.message;
     }
@@ -402,7 +435,7 @@ class Page {
 
   // The force is drawn, and the slow motion is of this key.
   struck(key, velocity) {
-    Object.assign(this, { lastKey: key, lastVelocity: velocity });
+    Object.assign(this, { lastKey: key, lastVelocity: velocity, lastEvent: undefined });
     this.changed();
     this.figures.struck();
     this.stage.wake();
@@ -410,8 +443,15 @@ class Page {
   }
 
   hasKey(key) {
-    const { keys } = this.played();
-    return !keys || (key >= keys[0] && key <= keys[1]);
+    return hasKey(this.played(), key);
+  }
+
+  /** The key that was struck last, or the one of the instrument that is nearest to it, or to middle C. */
+  nearestKey() {
+    const wanted = this.lastKey ?? kMiddleC, { ranges } = this.played();
+    if (this.hasKey(wanted) || ranges.length === 0) return wanted;
+    const near = ranges.map(([first, last]) => Math.max(first, Math.min(last, wanted)));
+    return near.reduce((best, key) => (Math.abs(key - wanted) < Math.abs(best - wanted) ? key : best));
   }
 
   // MIDI has moved a parameter: its slider follows.
@@ -489,8 +529,9 @@ class Page {
   /** The note that was played last, or the first one. */
   note() {
     const { keys, velocity, events } = this.played();
-    const key = this.lastKey ?? kMiddleC;
-    const event = keys ? 0 : Math.max(0, key - kMiddleC) % Math.max(1, events.length);
+    const isEvent = this.lastEvent !== undefined; // which no key need play
+    const key = isEvent ? -1 : this.nearestKey();
+    const event = isEvent ? this.lastEvent : keys ? 0 : Math.max(0, key - kMiddleC) % Math.max(1, events.length);
     return { instrument: this.instrument, bytes: this.played().packed(), values: this.values(), note: { key, velocity: this.lastVelocity ?? velocity, event } };
   }
 
@@ -500,9 +541,9 @@ class Page {
     if (!played) byId("stage-caption").textContent = `${capital(description)}: it has no note to show.`;
     if (!played) return;
     const study = studyOf(played);
-    byId("stage-caption").textContent = `${capital(description)}${keys ? `, ${keyName(key)}` : ""}; one note from rest. ${this.balance(study)}`;
+    byId("stage-caption").textContent = `${capital(description)}${keys && key >= 0 ? `, ${keyName(key)}` : ""}; one note from rest. ${this.balance(study)}`;
     this.shown = asked;
-    this.stage.show(study, keys ? key : null);
+    this.stage.show(study, keys && key >= 0 ? key : null);
   }
 
   // How many times the energy that is shown a throw has of this part of the highest speed.
@@ -525,7 +566,8 @@ class Page {
     const controls = [...this.controls.values()];
     if (place !== null && moves !== null) this.setTo(moves, controls[moves], place);
     if (power !== null && throws !== null) this.setTo(throws, controls[throws], power * strongest(this.played().parameters[throws]));
-    this.strikeOnce(this.lastKey, throws === null ? power : null);
+    if (this.lastEvent === undefined) this.strikeOnce(undefined, throws === null ? power : null);
+    else this.playEvent(this.lastEvent, throws === null ? power : undefined);
   }
 
   setTo(number, control, value) {
@@ -551,8 +593,28 @@ class Page {
     if (this.begun.get(key) === begun) this.audio.send({ do: "noteOff", key });
   }
 
+  /** Plays an event. Of an instrument with keys it plays without one; a bow is lifted a while later. */
+  async playEvent(number, velocity = 1) {
+    const { keys, events, parameters } = this.played();
+    if (!keys) return this.strikeOnce(kMiddleC + number);
+    await this.audio.start();
+    const event = { do: "strike", event: number, value: velocity * this.value(parameters[events[number].parameter].name) };
+    this.audio.send(event);
+    if (events[number].name.startsWith("bow_")) setTimeout(() => this.audio.send({ ...event, value: 0 }), kStrikeHold);
+    this.lastEvent = number;
+    this.figures.struck();
+    this.stage.wake();
+    this.studySoon();
+  }
+
+  /** Plays a key, or else the first event of a file, or middle C. */
+  hearNote(velocity, key) {
+    if (key === undefined && this.played().ranges.length > 0) return this.playEvent(0, velocity ?? undefined);
+    return this.strikeOnce(key ?? kMiddleC, velocity);
+  }
+
   /** Strikes a key and lets it go a while after it has begun. */
-  async strikeOnce(key = this.lastKey ?? kMiddleC, velocity = null) {
+  async strikeOnce(key = this.nearestKey(), velocity = null) {
     await this.strike(key, velocity);
     setTimeout(() => this.audio.send({ do: "noteOff", key }), kStrikeHold);
   }

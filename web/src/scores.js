@@ -12,9 +12,10 @@ export function readScore(packed, name, generator) {
   return scoreOfMidi(generator.readMidi(Uint8Array.from(atob(packed.midi), (letter) => letter.charCodeAt(0)), name));
 }
 
-/** The score of a MIDI file that the generator has read; the piano plays it. */
-export function scoreOfMidi({ title, messages, end }) {
-  const played = messages.map(({ time, bytes }) => ({ at: time, do: "midi", bytes }));
+/** The score of a MIDI file that the generator has read, of which the piano plays all, or that much of its parts. */
+export function scoreOfMidi({ title, messages, end, parts = [{ messages }] }) {
+  const played = parts.flatMap(({ messages }, voice) => messages.map(({ time, bytes }) => ({ at: time, do: "midi", bytes, voice })));
+  played.sort((a, b) => a.at - b.at);
   return { keyboard: "piano", description: title, played: { voices: [], messages: [...played, { at: end + kTail, do: "end" }] } };
 }
 
@@ -52,7 +53,7 @@ function glide(at, over, from, to) {
 }
 
 // What a score of another instrument says to one of its voices: keys that it has, and values of its parameters.
-function eventMessages({ events }, { parameters, events: played }, name, voice) {
+function eventMessages({ events }, { keys, parameters, events: played }, name, voice) {
   const now = parameters.map(({ init }) => init);
   const own = events.filter((event) => event.voice === undefined || event.voice === name).toSorted((a, b) => a.time_s - b.time_s);
   return own.flatMap((event) => [
@@ -61,7 +62,8 @@ function eventMessages({ events }, { parameters, events: played }, name, voice) 
       const to = event[shape.name];
       if (to === undefined) return [];
       const set = { do: "set", voice, parameter };
-      const number = played.findIndex((one) => one.parameter === parameter);
+      const number = played.findIndex((one) => one.parameter === parameter && !one.name.startsWith("bow_"));
+      if (number >= 0 && keys) return [{ at: event.time_s, do: "strike", voice, event: number, value: to }];
       if (number >= 0) return [{ ...set, at: event.time_s, value: to }, ...noteMessages(event, { voice, key: kFirstKey + number, velocity: 1 })];
       const from = now[parameter];
       now[parameter] = to;

@@ -11,6 +11,7 @@ import { studyOf } from "./studies.js";
 export const kChapters = 9;
 
 const kMiddleC = 60;
+const kNoKey = -1; // plays an event of a file at the pitch of the file
 const kHeight = 280; // pixels of a plot
 const kEnergyHeight = 200;
 const kThinned = 4; // frames for a point of energy
@@ -327,7 +328,7 @@ export class Story {
   // each of the blows [label, value of the parameter]. drawn(study): of each new note.
   scene(article, { instrument, parameter, least, most, label, drawn = () => {}, blows = [["Hear it", null]] }) {
     const live = article.querySelector(".live");
-    const { parameters, velocity } = this.instruments.get(instrument);
+    const { parameters, ranges, velocity } = this.instruments.get(instrument);
     const values = parameters.map(({ init }) => init);
     const state = { power: null };
     const { stage, row } = this.stageIn(article, label, {
@@ -348,7 +349,7 @@ export class Story {
     });
     stage.wake();
     const study = () => {
-      const note = { key: kMiddleC, velocity: state.power ?? velocity, event: 0 };
+      const note = { key: ranges.length > 0 ? kNoKey : kMiddleC, velocity: state.power ?? velocity, event: 0 };
       const played = this.background.latest(instrument, "scene", { instrument, bytes: this.instruments.get(instrument).packed(), values: [...values], note });
       this.answered = played.then((played) => played && show(studyOf(played)));
     };

@@ -32,7 +32,8 @@ constexpr std::size_t kBlock = 128;
 struct Voice {
   std::unique_ptr<Playable> instrument;
   float left, right;
-  bool is_played;  ///< the instrument itself rests beside voices until it is struck
+  bool is_played;        ///< the instrument itself rests beside voices until it is struck
+  bool is_part = false;  ///< another instrument, with messages of its own
 };
 
 Material material;
@@ -61,8 +62,10 @@ void hear(const MidiEvent& event) {
   if (event.kind == MidiEvent::Kind::kNoteOff && event.is_last) hear(event.key, 0);
 }
 
-void take_midi(std::span<const std::uint8_t> bytes) {
-  for (const Voice& each : voices) each.instrument->midi(bytes);
+// Of all voices, and of other instruments if it is for them, too.
+void take_midi(std::span<const std::uint8_t> bytes, bool is_for_parts = false) {
+  for (const Voice& each : voices)
+    if (is_for_parts || !each.is_part) each.instrument->midi(bytes);
   heard_midi.take(bytes, [](const MidiEvent& event) { hear(event); });
 }
 
@@ -270,6 +273,17 @@ CONTACTSPLINE_WEB(int, engine_add_voice, double cents, int string, double pluck_
   return 1;
 }
 
+/// Adds another instrument, `level` times as loud as its file says, as a voice that plays beside the first one. 0 if
+/// there is none of this number. Allocates.
+CONTACTSPLINE_WEB(int, engine_add_part, int number, double level) {
+  auto next = instrument(number);
+  if (!next || voices.empty()) return 0;
+  next->prepare(chosen_rate_hz);
+  const auto side = static_cast<float>(level);
+  voices.push_back({std::move(next), side, side, true, true});
+  return 1;
+}
+
 /// Moves a voice between left, -1, and right, 1, with equal power; 0 is as loud as one voice alone.
 CONTACTSPLINE_WEB(void, engine_pan, int number, double pan) {
   if (number < 0 || number >= static_cast<int>(voices.size())) return;
@@ -286,22 +300,6 @@ CONTACTSPLINE_WEB(void, engine_restart) {
   material = Material{};
   if (!own.empty()) instruments().pop_back();
   own.clear();
-}
-
-/// The largest sample of a note of middle C, which is also the first event, with the first values of all parameters,
-/// relative to full scale. It tells how loud an instrument is.
-CONTACTSPLINE_WEB(double, engine_peak, int number, double seconds, double sample_rate_hz) {
-  const auto played = instrument(number);
-  if (!played) return 0;
-  played->prepare(sample_rate_hz);
-  played->watch_none();
-  played->note_on(kMiddleC, played->velocity());
-  float peak = 0;
-  for (double left = seconds * sample_rate_hz; left > 0; left -= kBlock) {
-    played->process(std::span(outputs).first(kBlock), std::span(outputs).subspan(kBlock, kBlock), {});
-    for (std::size_t i = 0; i < 2 * kBlock; ++i) peak = std::max(peak, std::abs(outputs[i]));
-  }
-  return peak;
 }
 
 /// Where the page writes the rows of a table: knot, energy, force, half curvature of each segment; then weight and
@@ -340,9 +338,13 @@ CONTACTSPLINE_WEB(std::uint8_t*, engine_midi_bytes) {
   return midi_bytes.data();
 }
 
-/// Takes so many of them, for all voices: messages or pieces of a stream.
-CONTACTSPLINE_WEB(void, engine_midi, int count) {
-  take_midi(std::span(midi_bytes).first(std::min<std::size_t>(static_cast<std::size_t>(count), midi_bytes.size())));
+/// Takes so many of them: messages or pieces of a stream, for the voice of this number, or below 1 for all voices of
+/// the instrument.
+CONTACTSPLINE_WEB(void, engine_midi, int number, int count) {
+  const auto bytes =
+      std::span(midi_bytes).first(std::min<std::size_t>(static_cast<std::size_t>(count), midi_bytes.size()));
+  if (number < 1) return take_midi(bytes);
+  with_voice(number, [&](Voice& voice) { voice.instrument->midi(bytes); });
 }
 
 /// Where the page writes the cents of the 128 keys of MIDI.
@@ -360,7 +362,8 @@ CONTACTSPLINE_WEB(void, engine_let_go) {
   for (int channel = 0; channel < 16; ++channel)
     for (const int controller : {123, 121})  // all notes off, reset all controllers
       take_midi(std::array{static_cast<std::uint8_t>(0xb0 | channel), static_cast<std::uint8_t>(controller),
-                           std::uint8_t{0}});
+                           std::uint8_t{0}},
+                true);
 }
 
 /// How many keys have begun to play or were let go since the last call.
@@ -383,6 +386,8 @@ CONTACTSPLINE_WEB(void, engine_strike, int number, int event, double value) {
   with_voice(number, [&](Voice& voice) {
     voice.is_played = true;
     voice.instrument->play(static_cast<std::size_t>(event), value);
+    for (const double velocity : {1.0, 0.0})
+      hear(voice.instrument->key_of(static_cast<std::size_t>(event)), velocity);
   });
 }
 

@@ -229,18 +229,28 @@ CONTACTSPLINE_WEB(int, contactspline_instrument_size) {
   return static_cast<int>(instrument_bytes.size());
 }
 
-/// Reads so many bytes of a MIDI file. Returns JSON: title, remarks, end [s] and what is played, as `render` chooses
-/// it: messages, each as its time [s] and its bytes, the last of which let all keys go; or {"error": one line}. The
-/// page frees `bytes` and `file`.
-CONTACTSPLINE_WEB(const char*, contactspline_midi, const char* bytes, std::size_t size, const char* file) {
+/// Reads so many bytes of a MIDI file. chosen: a bit for each channel, the lowest for channel 1; none: as `render`
+/// chooses them. Returns JSON: title, remarks, end [s] and what is played: channels, each with its number, the
+/// program of its first note (1 to 128) and its notes, and messages, each as its time [s] and its bytes, the last of
+/// which let all keys go; unchosen: notes of other channels; or {"error": one line}. The page frees `bytes` and
+/// `file`.
+CONTACTSPLINE_WEB(const char*, contactspline_midi, const char* bytes, std::size_t size, const char* file,
+                  int chosen) {
   return answer([&] {
-    const MidiFile played = read_played_midi({bytes, size}, file).file;
+    std::vector<int> wanted;
+    for (int channel = 1; channel <= 16; ++channel)
+      if ((chosen >> (channel - 1) & 1) != 0) wanted.push_back(channel);
+    const auto [played, notes, unchosen] = read_played_midi({bytes, size}, file, wanted);
+    Json channels = Json::array();
+    for (const auto& [channel, use] : midi_uses(played.messages))
+      channels.push_back(Json{{"channel", channel}, {"program", use.program + 1}, {"notes", use.notes}});
     Json messages = Json::array();
     for (const auto& [time_s, message] : played.messages) {
       messages.push_back(Json::array({time_s}));
       for (const int byte : message) messages.back().push_back(byte);
     }
-    return Json{{"title", played.title}, {"remarks", played.remarks}, {"end", played.end_s}, {"messages", messages}};
+    return Json{{"title", played.title}, {"remarks", played.remarks}, {"end", played.end_s},
+                {"channels", channels},  {"unchosen", unchosen},      {"messages", messages}};
   });
 }
 

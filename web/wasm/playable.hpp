@@ -40,6 +40,8 @@ class Playable {
   virtual void note_off(int key) = 0;
   virtual void midi(std::span<const std::uint8_t> bytes) = 0;
   virtual void tune(const KeyCents& cents) = 0;
+  /// A key that plays an event, at the pitch of the file if it has that; -1: none does.
+  [[nodiscard]] virtual int key_of(std::size_t event) const = 0;
   /// Plays an event by this speed [m/s] or force [N] in the range of its parameter; by its parameter if it is NaN.
   virtual void play(std::size_t event, double value) = 0;
   virtual void process(std::span<float> left, std::span<float> right, std::span<float> force) = 0;
@@ -64,8 +66,9 @@ inline constexpr double kVelocity = requires {
 
 /// What the page needs to know of an instrument, as JSON. Numbers are those of the lists, in SI; shown values are
 /// `factor` times as large. min, max: of the slider; allowed: what the parameter takes. keys: the first and the last
-/// one, null where the keys from middle C on play the events. velocity: of a key that has none of its own. speeds: of
-/// the softest and the loudest key [m/s], or null. isTunable: can its keys be tuned?
+/// one, null where the keys from middle C on play the events. ranges: of the keys of a file, first, last and the
+/// number of the event that they play. velocity: of a key that has none of its own. speeds: of the softest and the
+/// loudest key [m/s], or null. isTunable: can its keys be tuned?
 template <typename I>
 [[nodiscard]] std::string description_of(const I& instrument, bool is_tunable) {
   std::vector<std::string> parameters, events, presets;
@@ -85,23 +88,28 @@ template <typename I>
     presets.push_back(
         fmt::format(R"({{"name": {}, "values": [{:.17g}]}})", quoted(x.name), fmt::join(x.values, ", ")));
   std::string keys = "null";
+  std::vector<std::string> ranges;
   if constexpr (requires { instrument.first_key(); })
     keys = fmt::format("[{}, {}]", instrument.first_key(),
                        keyboards::piano::first_key + static_cast<int>(keyboards::piano::keys) - 1);
   if constexpr (requires { instrument.keyed(); })
-    if (const auto ranges = instrument.keyed().ranges; !ranges.empty())
-      keys = fmt::format("[{}, {}]", ranges.front().first, ranges.back().last);
+    if (const auto& all = instrument.keyed().ranges; !all.empty()) {
+      keys = fmt::format("[{}, {}]", all.front().first, all.back().last);
+      for (const KeyRange& range : all)
+        ranges.push_back(fmt::format("[{}, {}, {}]", range.first, range.last, range.event));
+    }
   std::string speeds = "null";
   if constexpr (requires { I::speed_of(0.5); })
     speeds = fmt::format("[{:.17g}, {:.17g}]", I::speed_of(0), I::speed_of(1));
   const bool takes_material = requires {
     I::takes_material;
   };
-  return fmt::format(R"({{"name": "{}", "title": "{}", "description": {}, "keys": {}, "velocity": {}, "speeds": {}, )"
-                     R"("takesMaterial": {}, "isTunable": {}, "parameters": [{}], "events": [{}], "presets": [{}]}})",
-                     instrument.name(), label_of(instrument.name()).text, quoted(instrument.description()), keys,
-                     kVelocity<I>, speeds, takes_material, is_tunable, fmt::join(parameters, ", "),
-                     fmt::join(events, ", "), fmt::join(presets, ", "));
+  return fmt::format(
+      R"({{"name": "{}", "title": "{}", "description": {}, "keys": {}, "ranges": [{}], "velocity": {}, "speeds": {}, )"
+      R"("takesMaterial": {}, "isTunable": {}, "parameters": [{}], "events": [{}], "presets": [{}]}})",
+      instrument.name(), label_of(instrument.name()).text, quoted(instrument.description()), keys,
+      fmt::join(ranges, ", "), kVelocity<I>, speeds, takes_material, is_tunable, fmt::join(parameters, ", "),
+      fmt::join(events, ", "), fmt::join(presets, ", "));
 }
 
 /// I: an Instrument. Its sound is its outputs left_... and right_..., or else the one of number `otherwise`.
@@ -141,6 +149,14 @@ class PlayableBehind final : public Playable {
   }
   void midi(std::span<const std::uint8_t> bytes) override { hosted_.midi(bytes); }
   void tune(const KeyCents& cents) override { hosted_.tune(cents); }
+  [[nodiscard]] int key_of(std::size_t event) const override {
+    if constexpr (requires { own_.keyed(); })
+      if (const auto& ranges = own_.keyed().ranges; !ranges.empty()) {
+        const auto found = std::ranges::find(ranges, event, &KeyRange::event);
+        return found == ranges.end() ? -1 : std::clamp(found->tuned_key, found->first, found->last);
+      }
+    return kMiddleC + static_cast<int>(event);
+  }
   void play(std::size_t event, double value) override {
     if (event >= hosted_.instrument().events().size()) return;
     const std::size_t parameter = hosted_.instrument().events()[event].parameter;

@@ -34,12 +34,13 @@ function report({ force, energy }) {
 /** An octave from middle C, or one button for each event. */
 function showKeys() {
   const { keys, events } = node.description;
-  const names = keys ? "C C# D D# E F F# G G# A A# B C".split(" ") : events.map(({ label }) => label);
+  const first = keys && Math.max(keys[0], Math.min(60, keys[1] - 12));
+  const names = keys ? Array.from({ length: 13 }, (_, i) => "C C# D D# E F F# G G# A A# B".split(" ")[(first + i) % 12]) : events.map(({ label }) => label);
   byId("keys").replaceChildren(
     ...names.map((name, i) => {
       const button = Object.assign(document.createElement("button"), { textContent: name });
-      button.addEventListener("pointerdown", () => (keys ? node.noteOn(60 + i, 0.7) : node.strike(events[i].name)));
-      for (const end of ["pointerup", "pointerleave"]) button.addEventListener(end, () => keys && node.noteOff(60 + i));
+      button.addEventListener("pointerdown", () => (keys ? node.noteOn(first + i, 0.7) : node.strike(events[i].name)));
+      for (const end of ["pointerup", "pointerleave"]) button.addEventListener(end, () => keys && node.noteOff(first + i));
       return button;
     }),
   );

@@ -28,8 +28,6 @@ export function startEngine(module, sampleRate = 44100) {
     strings: () => JSON.parse(textAt(exports, exports.engine_strings())),
     /** What each instrument is called, plays and has to set: web/wasm/playable.hpp, description_of. */
     instruments: () => JSON.parse(textAt(exports, exports.engine_instruments())),
-    /** The largest sample of one note, of full scale: how loud an instrument is. */
-    peak: (number, seconds) => exports.engine_peak(number, seconds, sampleRate),
     /** Makes the instrument of a user's file the last one of all. */
     takeInstrument: (bytes) => writeInstrument(exports, exports.engine_own_instrument, bytes),
     /** The bytes of the instrument of a file that ships, as generator.instrument() has them; nothing of another one. */
@@ -48,6 +46,8 @@ export function startEngine(module, sampleRate = 44100) {
      * where they are not given. Returns whether it can be. */
     addVoice: ({ cents = 0, string = -1, pluck_m = 0, height_m = 0, hammer_mass_kg = NaN, damper_per_s = NaN }) =>
       exports.engine_add_voice(cents, string, pluck_m, height_m, hammer_mass_kg, damper_per_s) === 1,
+    /** Adds another instrument as a voice, so many times as loud as its file says. Returns whether there is one. */
+    addPart: (number, level = 1) => exports.engine_add_part(number, level) === 1,
     /** Moves a voice between -1, left, and 1, right. */
     pan: (voice, pan) => exports.engine_pan(voice, pan),
     /** Makes a design of the generator the material of later strikes. */
@@ -55,12 +55,12 @@ export function startEngine(module, sampleRate = 44100) {
     set: (parameter, value, voice = 0) => exports.engine_set(voice, parameter, value),
     noteOn: (key, velocity, voice = 0) => exports.engine_note_on(voice, key, velocity),
     noteOff: (key, voice = 0) => exports.engine_note_off(voice, key),
-    /** Takes bytes of MIDI: messages, or pieces of a stream. */
-    midi(bytes) {
+    /** Takes bytes of MIDI: messages, or pieces of a stream; for one voice, from 1 on, or for all of the instrument. */
+    midi(bytes, voice = 0) {
       for (let done = 0; done < bytes.length; done += kMidiBytes) {
         const part = bytes.slice(done, done + kMidiBytes);
         new Uint8Array(exports.memory.buffer, exports.engine_midi_bytes(), part.length).set(part);
-        exports.engine_midi(part.length);
+        exports.engine_midi(voice, part.length);
       }
     },
     /** Tunes the keys of MIDI by so many cents, from the next notes on; NaN: the key does not sound. */

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The generator of Contact Spline.
+import { channelsIn, partsOf } from "./midi_parts.js";
 import { startModule, textAt, withBytes, withTexts } from "./wasm_module.js";
 
 // The JSON at an address; its error is thrown.
@@ -45,12 +46,16 @@ export function startGenerator(module) {
       return { ...instrument, bytes: bytes.slice() };
     },
 
-    /** Reads a MIDI file, given as a Uint8Array: { title, remarks, end, messages: [{ time, bytes }] } (web/wasm/generator.cpp), in
-     * seconds. Throws bad input. */
-    readMidi(bytes, file) {
+    /** Reads a MIDI file, given as a Uint8Array: { title, remarks, end, channels, unchosen, messages: [{ time, bytes }] }
+     * (web/wasm/generator.cpp), in seconds. channels: those to read, 1 to 16; instruments: midi_parts.js. Throws bad input. */
+    readMidi(bytes, file, { channels = [], instruments } = {}) {
       if (!(bytes instanceof Uint8Array)) throw new Error(`contactspline: ${String(file)}: is no MIDI file; allowed: its bytes as a Uint8Array`);
-      const { messages, ...read } = answered(exports, withBytes(exports, [bytes], (at) => withTexts(exports, [file], (name) => exports.contactspline_midi(at, bytes.length, name))));
-      return { ...read, messages: messages.map(([time, ...bytes]) => ({ time, bytes })) };
+      const read = (chosen) => {
+        const bits = channelsIn(chosen);
+        const { messages, ...rest } = answered(exports, withBytes(exports, [bytes], (at) => withTexts(exports, [file], (name) => exports.contactspline_midi(at, bytes.length, name, bits))));
+        return { ...rest, messages: messages.map(([time, ...bytes]) => ({ time, bytes })) };
+      };
+      return instruments === undefined ? read(channels) : partsOf(read, instruments, file);
     },
 
     /** The cents of the 128 keys of MIDI above equal temperament, by the texts of a scale and a key map of Scala and the pitch of A4

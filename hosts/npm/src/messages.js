@@ -15,8 +15,8 @@ export function play(engine, message) {
   if (message.do === "set") engine.set(message.parameter, message.value, message.voice);
   if (message.do === "noteOn") engine.noteOn(message.key, message.velocity, message.voice);
   if (message.do === "noteOff") engine.noteOff(message.key, message.voice);
-  if (message.do === "strike") engine.strike(message.event, message.value);
-  if (message.do === "midi") engine.midi(message.bytes);
+  if (message.do === "strike") engine.strike(message.event, message.value, message.voice);
+  if (message.do === "midi") engine.midi(message.bytes, message.voice);
   if (message.do === "tune") engine.tune(message.cents);
   if (message.do === "watchNone") engine.watchNone();
 }

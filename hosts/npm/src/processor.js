@@ -99,9 +99,10 @@ class ContactSplineProcessor extends AudioWorkletProcessor {
     this.centres = [0, 1].map(() => (this.isCentred ? new Centre(sampleRate) : none));
   }
 
-  // A score, whose times count from now on. The page is told of its notes.
-  begin({ voices, messages, gain = 1 }) {
+  // A score, whose times count from now on, with other instruments as its parts. The page is told of its notes.
+  begin({ voices, parts = [], messages, gain = 1 }) {
     Object.assign(this, { scoreGain: gain, isScore: true });
+    for (const part of parts) this.engine.addPart(part.number, part.gain / this.gain);
     voices.forEach((voice, i) => {
       this.engine.addVoice(voice);
       this.engine.pan(i + 1, voice.pan);
