@@ -253,7 +253,9 @@ class InstrumentVst3 : public PluginVst3 {
 
   double getParameterNormalized(v3_param_id id) {
     if (id == kVst3InternalParameterProgram) return plainParameterToNormalized(id, program_);
-    return is_parameter(id) ? scale(index_of(id)).part_of(fPlugin.getParameterValue(index_of(id))) : 0;
+    if (is_parameter(id)) return scale(index_of(id)).part_of(fPlugin.getParameterValue(index_of(id)));
+    // Ardour 7.3 sends what it reads here before the first note.
+    return id == kVst3InternalParameterMidiCC_start + kPitchWheel ? 0.5 : 0;
   }
 
   /// Of a value that the window has set.

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 -- For ardour_test, in ardour7-lua. "record FOLDER" makes a session there with a MIDI track for each plug-in, loads a
--- preset, moves a parameter, and records a note of the virtual keyboard on all tracks. "restore FOLDER" opens the
--- session and bounces each track into FOLDER/session/interchange/session/audiofiles/TRACK%L.wav. Both write what they
+-- preset, moves a parameter, and records a note of the virtual keyboard on all tracks; "record FOLDER KEY:CENTS ..." a
+-- chord of MPE on the channels from 2 on, each key bent by so much. "restore FOLDER" opens the session and bounces each track into FOLDER/session/interchange/session/audiofiles/TRACK%L.wav. Both write what they
 -- see into FOLDER/MODE.txt, in lines of words between tabs.
 local mode, folder = arg[1], arg[2]
 local out = assert(io.open(folder .. "/" .. mode .. ".txt", "w"))
@@ -73,12 +73,34 @@ local function record(session)
       if parser:process_byte(byte) then keyboard:write(parser:midi_buffer(), parser:buffer_size(), 0) end
     end
   end
+  local chord = {}
+  for i = 3, #arg do
+    local key, cents = arg[i]:match("^(%d+):(.+)$")
+    chord[i - 2] = {key = tonumber(key), bend = math.floor(8192 + tonumber(cents) / 4800 * 8192 + 0.5)}
+  end
   session:maybe_enable_record(false)
   session:request_roll(ARDOUR.TransportRequestSource.TRS_UI)
+  -- Ardour keeps controllers apart, and would play those of one block in another order. A busy machine is late.
+  local function wait_for_blocks()
+    local from = session:transport_sample()
+    while session:transport_sample() < from + 4096 do sleep(0.01) end
+  end
+  wait_for_blocks()
   sleep(0.5)
-  send(0x90, 60, 100)
+  if #chord == 0 then send(0x90, 60, 100) end
+  -- A zone of MPE on all channels.
+  for _, controller in ipairs(#chord == 0 and {} or {{101, 0}, {100, 6}, {6, 15}}) do
+    send(0xb0, controller[1], controller[2])
+    wait_for_blocks()
+  end
+  for i, note in ipairs(chord) do
+    send(0xe0 + i, note.bend % 128, note.bend // 128)
+    wait_for_blocks()
+    send(0x90 + i, note.key, 100)
+  end
   sleep(1)
-  send(0x80, 60, 64)
+  if #chord == 0 then send(0x80, 60, 64) end
+  for i, note in ipairs(chord) do send(0x80 + i, note.key, 64) end
   sleep(0.3)
   session:request_stop(false, false, ARDOUR.TransportRequestSource.TRS_UI)
   sleep(0.5)
@@ -87,7 +109,7 @@ local function record(session)
     for region in track:to_track():playlist():region_list():iter() do
       for note in ARDOUR.LuaAPI.note_list(region:to_midiregion():model()):iter() do
         tell("note", track:name(), tostring(note:note()), tostring(note:velocity()), tostring(note:time()),
-             tostring(note:length()), tostring(region:position():samples()))
+             tostring(note:length()), tostring(region:position():samples()), tostring(note:channel()))
       end
     end
   end
@@ -102,7 +124,7 @@ else
   session = load_session(folder .. "/session", "session")
   for _, track in ipairs(tracks_of(session)) do
     tell_values(track)
-    track:to_track():bounce_range(0, 2 * session:nominal_sample_rate(), ARDOUR.InterThreadInfo(), track:main_outs(),
+    track:to_track():bounce_range(0, 3 * session:nominal_sample_rate(), ARDOUR.InterThreadInfo(), track:main_outs(),
                                   false, track:name())
   end
 end

@@ -107,6 +107,11 @@ TEST(Vst3, HasNoParametersForControllers) {
   }
 }
 
+// Ardour sends to the processor what it reads: a wheel that reads 0 would bend all the way down.
+TEST(Vst3, BeginsAtTheDefaultsOfAllParameters) {
+  for (const std::string& name : instruments()) EXPECT_LE(open_vst3(name)->from_defaults(), 1e-6) << name;
+}
+
 TEST(Vst3, HasLogarithmicScales) {
   const auto plugin = open_vst3("hammer_string");
   EXPECT_TRUE(relatively_within(plugin->value_at("stiffness ratio", 0.5), 1, 1e-6));  // 0.001 to 1000

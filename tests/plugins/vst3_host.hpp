@@ -355,6 +355,20 @@ class Vst3Plugin : public HostedPlugin {
   /// How many parameters a host finds, hidden ones among them.
   [[nodiscard]] std::int32_t count() const { return v3_cpp_obj(controller_)->get_parameter_count(controller_); }
 
+  /// The largest difference between what a host reads of a parameter, hidden ones among them, and its first value,
+  /// both as parts.
+  [[nodiscard]] double from_defaults() const {
+    double largest = 0;
+    for (std::int32_t i = 0; i < count(); ++i) {
+      v3_param_info info = {};
+      if (v3_cpp_obj(controller_)->get_parameter_info(controller_, i, &info) != V3_OK) return 1;
+      const double part = v3_cpp_obj(controller_)->get_parameter_normalised(controller_, info.param_id);
+      if ((info.flags & V3_PARAM_READ_ONLY) == 0)
+        largest = std::max(largest, std::abs(part - info.default_normalised_value));
+    }
+    return largest;
+  }
+
   [[nodiscard]] std::vector<HostedParameter> parameters() const override { return parameters(false); }
   [[nodiscard]] std::vector<HostedParameter> readings() const override { return parameters(true); }
 
