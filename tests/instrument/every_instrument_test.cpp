@@ -244,10 +244,10 @@ TYPED_TEST(EveryInstrument, IsPushedTheSameInBlocksOfAnyLength) {
       input[n] = n / 700 % 2 == 0 ? static_cast<TypeParam>(std::sin(0.2 * double(n) + 1e-5 * double(n * n))) : 0;
     input[kBegin + 20] = std::numeric_limits<TypeParam>::quiet_NaN();
     input[kBegin + 21] = -std::numeric_limits<TypeParam>::infinity();
-    const auto pushed = [&](std::size_t block, std::span<const TypeParam> input) {
+    const auto pushed = [&](std::size_t block, std::span<const TypeParam> force_n) {
       instrument.reset();
       return TestFixture::play(
-          instrument, kSamples, block, [](std::size_t) {}, input);
+          instrument, kSamples, block, [](std::size_t) {}, force_n);
     };
     const auto silent = pushed(kSamples, {}), expected = pushed(kSamples, input);
     if (!(instrument.input_scale_n() > 0)) {

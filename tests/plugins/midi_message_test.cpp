@@ -100,7 +100,7 @@ class Witness final : public AnyInstrument<float> {
     happened += fmt::format("{}:{}{}={:.6g} ", kNames.at(static_cast<std::size_t>(event.action)), event.number,
                             parameter, event.value);
   }
-  void process(Outputs<float>, std::span<float>) override {}
+  void process(Outputs<float>, std::span<float>, std::span<const float> = {}) override {}
   void reset() override { happened += "rest "; }
   [[nodiscard]] double value(std::size_t parameter) const override { return values_.at(parameter); }
   [[nodiscard]] bool is_silent(double) const override { return true; }
