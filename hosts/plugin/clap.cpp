@@ -78,6 +78,9 @@ class NoteReader {
   void take(const clap_event_header_t& event) {
     if (const auto* const on = as<clap_event_note_t>(event, CLAP_EVENT_NOTE_ON))
       push({.kind = Kind::kBegin, .name = name_of(*on), .value = on->velocity});
+    // Voices that have a level of their own fall silent at once.
+    if (const auto* const choked = as<clap_event_note_t>(event, CLAP_EVENT_NOTE_CHOKE))
+      push({.kind = Kind::kExpress, .name = name_of(*choked), .expression = contactspline::NoteExpression::kVolume});
     for (const uint16_t type : {CLAP_EVENT_NOTE_OFF, CLAP_EVENT_NOTE_CHOKE})
       if (const auto* const off = as<clap_event_note_t>(event, type))
         push({.kind = Kind::kEnd, .name = name_of(*off), .value = off->velocity});

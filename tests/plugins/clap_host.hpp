@@ -157,6 +157,7 @@ class ClapPlugin : public HostedPlugin {
   void note_on(const NoteName& name, double velocity, std::uint32_t time = 0) {
     push_note(CLAP_EVENT_NOTE_ON, name, velocity, time);
   }
+  void choke(const NoteName& name) { push_note(CLAP_EVENT_NOTE_CHOKE, name, 0, 0); }
   void note_off(const NoteName& name, double velocity, std::uint32_t time = 0) {
     push_note(CLAP_EVENT_NOTE_OFF, name, velocity, time);
   }

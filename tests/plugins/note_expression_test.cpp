@@ -79,6 +79,21 @@ TEST(Clap, PlaysAndExpressesNotesByName) {
   EXPECT_EQ(plugin->ended()[0].key, 60);
 }
 
+// With a time constant of 5 ms, in place of the damper's 30 ms; the next note of the key is as loud as the first.
+TEST(Clap, ChokesNotes) {
+  const auto loudest = [](const HostedPlugin::Sound& sound) { return *std::ranges::max_element(sound[0]); };
+  const auto plugin = open_clap("fret_guitar");
+  plugin->note_on({1, 0, 60}, 0.7);
+  const float first = loudest(plugin->run(20));
+  plugin->choke({1, 0, 60});
+  (void)plugin->run(8);  // 43 ms: exp(-8.5)
+  EXPECT_LT(loudest(plugin->run(4)), 1e-3f * first);
+  EXPECT_EQ(plugin->ended().size(), 1u);
+  (void)plugin->run(400);
+  plugin->note_on({2, 0, 60}, 0.7);
+  EXPECT_TRUE(relatively_within(loudest(plugin->run(20)), first, 0.02));
+}
+
 TEST(Vst3, PlaysAndExpressesNotesByName) {
   const auto plugin = open_vst3("lap_steel");
   const auto expected = reference("lap_steel");

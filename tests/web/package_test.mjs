@@ -573,8 +573,9 @@ const browserCases = {
         node.connect(context.destination);
         // Far from where it is now.
         if (parameter) node.set(parameter.name, parameter.init - parameter.min > parameter.max - parameter.init ? parameter.min : parameter.max);
-        const { keys, events, parameters } = node.description;
-        for (const { name } of events) node.strike(name, undefined, 0.01);
+        const { keys, ranges, events, parameters } = node.description;
+        const isOfKeys = ranges.length > 0 && events.length === 1; // an event without a key would hold the damper up
+        for (const { name } of events) if (!isOfKeys) node.strike(name, undefined, 0.01);
         for (const { name } of events) if (name.startsWith("bow_")) node.strike(name, 0, 0.1); // so that the damper falls
         const key = Math.min(60, keys?.[1] ?? 60);
         if (keys || parameters.some(({ controller }) => controller === 64)) node.noteOn(key, 0.7, 0.01), node.noteOff(key, 0.1), node.noteOn(key, 0.7, 0.2);
