@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "contactspline/instrument/instrument.hpp"
+#include "contactspline/instrument/network_instrument.hpp"
 #include "faust_command.hpp"
 #include "generator/emit/emit_instrument.hpp"
 #include "generator/emit/emit_instrument_faust.hpp"

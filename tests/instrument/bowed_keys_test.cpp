@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "contactspline/data/stroke.hpp"
+#include "contactspline/instrument/network_instrument.hpp"
 #include "contactspline/instrument/voices.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/support/error.hpp"

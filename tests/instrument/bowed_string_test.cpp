@@ -2,6 +2,7 @@
 // Friction of instrument files: a mass on a belt, and a bowed string.
 #include <utility>
 
+#include "contactspline/instrument/network_instrument.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/support/input_file.hpp"
 #include "support/compare.hpp"

@@ -2,6 +2,7 @@
 // Bodies that share the spring of air between them: the frequencies and decays of theory.
 #include <functional>
 
+#include "contactspline/instrument/network_instrument.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "place_index.hpp"

@@ -2,6 +2,7 @@
 // The energy balance of each instrument that ships, over its score: work of hands, pushes and strikes included.
 #include <cstdlib>
 
+#include "contactspline/instrument/network_instrument.hpp"
 #include "generator/player/instrument_parts.hpp"
 #include "generator/player/score_reader.hpp"
 #include "generator/player/voice_tracks.hpp"

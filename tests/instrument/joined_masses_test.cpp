@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Strikes on masses that are joined to others, and connections that have nothing to move.
+#include "contactspline/instrument/network_instrument.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/support/error.hpp"
 #include "support/compare.hpp"

@@ -3,6 +3,7 @@
 #include <initializer_list>
 #include <utility>
 
+#include "contactspline/instrument/network_instrument.hpp"
 #include "contactspline/models/fret_string.hpp"
 #include "contactspline/models/hammer_string.hpp"
 #include "contactspline/models/mass_barrier.hpp"

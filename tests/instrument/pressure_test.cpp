@@ -7,6 +7,7 @@
 #include <numbers>
 #include <string>
 
+#include "contactspline/instrument/network_instrument.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "support/compare.hpp"
 #include "support/measured.hpp"

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "contactspline/instrument/network_instrument.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/support/input_file.hpp"
 #include "slack_string.hpp"

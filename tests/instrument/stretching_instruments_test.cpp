@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "../runtime/stretch_terms.hpp"
+#include "contactspline/instrument/network_instrument.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/support/input_file.hpp"
 #include "support/compare.hpp"

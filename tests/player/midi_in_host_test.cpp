@@ -11,6 +11,7 @@
 
 #include "contactspline/host/engine.hpp"
 #include "contactspline/host/hosted.hpp"
+#include "contactspline/instrument/network_instrument.hpp"
 #include "contactspline/instrument/voices.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/player/instrument_parts.hpp"
