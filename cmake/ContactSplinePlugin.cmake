@@ -224,7 +224,8 @@ function(_contactspline_plugin_part part)
   target_compile_features(${part} PRIVATE cxx_std_20)
   string(TOUPPER ${format} upper_format)
   target_compile_definitions(${part} PRIVATE DISTRHO_PLUGIN_TARGET_${upper_format} DISTRHO_PLUGIN_NAME="${arg_TITLE}"
-    DISTRHO_PLUGIN_BRAND="${arg_VENDOR}" DISTRHO_PLUGIN_URI="${arg_URI}" DISTRHO_PLUGIN_CLAP_ID="${arg_ID}" DISTRHO_PLUGIN_NUM_INPUTS=${arg_INPUTS}
+    DISTRHO_PLUGIN_BRAND="${arg_VENDOR}" DISTRHO_PLUGIN_URI="${arg_URI}" DISTRHO_PLUGIN_CLAP_ID="${arg_ID}"
+    DISTRHO_PLUGIN_NUM_INPUTS=${arg_INPUTS}
     CONTACTSPLINE_HAS_WINDOW=$<TARGET_EXISTS:contactspline_window_graphics> CONTACTSPLINE_PLUGIN_LABEL="${arg_TARGET}" CONTACTSPLINE_PLUGIN_UNIQUE_ID=0x${hash})
   target_include_directories(${part} PRIVATE "${ContactSpline_PLUGIN_DIR}")
   target_include_directories(${part} SYSTEM PRIVATE "${DPF_DIR}/distrho")

@@ -293,6 +293,7 @@ class Writer : FaustBodies {
   // Hunt-Crossley resistance of a contact [N/m] over this sample. After a throw no contact has a last increment.
   void write_resistance(std::size_t k) {
     if (loss_of(k) == "0.0") return chain_.add(name_at("resistance", k), "0.0");
+    // Over two samples: 1'' is 0 in the first two, before which there is no compression.
     std::string increment = fmt::format("last_compression_{0} - compression_{0}'", k);
     if (are_steps_double()) increment = fmt::format("1'' * (compression_{0} - compression_{0}'')", k);
     for (std::size_t s = 0; s < model_.strikes.size(); ++s)
@@ -634,9 +635,10 @@ std::optional<std::string> faust_obstacle(const InstrumentModel& model, const In
   for (const ConnectionGroup& group : model.connections)
     if (group.each.kind == ConnectionKind::kFriction)
       return fmt::format("{} has the friction {}, which only the C++ class plays", model.name, group.name);
+  for (const InstrumentBody& body : model.bodies)
+    if (body.airy_functions > 0)
+      return fmt::format("{} has the plate {} with stretch, which only the C++ class plays", model.name, body.name);
   if (const InstrumentBody* body = model.stretching_body()) {
-    if (body->airy_functions > 0)
-      return fmt::format("{} has the plate {} with stretch, which only the C++ class plays", model.name, body->name);
     if (!arrays.memories.empty())
       return fmt::format("{} has the body {} with stretch and a contact with memory, which only the C++ class plays",
                          model.name, body->name);

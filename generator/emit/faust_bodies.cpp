@@ -392,13 +392,13 @@ std::string FaustBodies::pull_at(std::size_t place, bool is_velocity) {
   if (is_velocity) return fmt::format("{} * velocity_gain * 0.5 * admittance * gradient", shape_of(place));
   const std::size_t body = place_bodies_[place], begin = first_mode(body);
   const auto squares = squares_of(body);
-  bodies_ += fmt::format("pull_{0}(mode) = pull_of_{0}(mode);\n", place);
+  bodies_ += fmt::format("pull_shape_{0}(mode) = pull_shape_of_{0}(mode);\n", place);
   for (std::size_t i = 0; i < squares.size(); ++i) {
     const Mode mode{arrays_.angular_frequencies[begin + i], arrays_.decays[begin + i], arrays_.masses[begin + i]};
-    bodies_ += fmt::format("pull_of_{}({}) = {};\n", place, i,
+    bodies_ += fmt::format("pull_shape_of_{}({}) = {};\n", place, i,
                            literal(squares[i] / stiffness_of(mode) * arrays_.shapes[first_shape_[place] + i]));
   }
-  return fmt::format("pull_{}(i) * pickup_gain * displacement", place);
+  return fmt::format("pull_shape_{}(i) * pickup_gain * displacement", place);
 }
 
 }  // namespace contactspline

@@ -82,16 +82,16 @@ class FaustBodies {
   // What the outputs take from a body: targets with their quantity.
   [[nodiscard]] std::vector<std::pair<std::size_t, OutputQuantity>> pickups_of(std::size_t body) const;
   void write_constants(std::size_t body);
-  void write_bank(std::size_t body);
   static std::string scaled(const std::vector<std::string>& forces);
+  void write_bank(std::size_t body);
   // The same where a body stretches: all forces act over two samples, that of a form through its gradient.
   void write_bank_of_two_samples(std::size_t body);
   // The connection that is the form of a body.
   [[nodiscard]] std::size_t connection_of_form(std::size_t body) const;
-  // The first number of its squares.
+  // The squares of its form.
   [[nodiscard]] std::span<const double> squares_of(std::size_t body) const;
   void write_squares(std::size_t body);
-  // What a mode tells: signals, each with its term of the sum over the modes.
+  // What its modes tell: pairs of a signal and of its term of the sum over the modes.
   std::vector<std::pair<std::string, std::string>> observed_over_two_samples(std::size_t body);
   // Of one mode: at a place, or that of a form, its gradient.
   [[nodiscard]] std::string shape_of(std::size_t place) const;

@@ -65,9 +65,9 @@ struct PluginInstrument {
 /// parameters to their first values. Left and right are the outputs whose names begin with left_ and right_; without
 /// them the first output is on both sides. Behind the tuning stand what hosts can only read: the peak of each output,
 /// in its unit, which falls within 0.3 s. The last two are the oversampling, whose change a thread of its own
-/// prepares and the instrument takes while it sounds, and the latency, to read. An audio input, of an instrument that
-/// has one, pushes its body. That thread also watches the instrument's file (watched_file.hpp); without one it
-/// sleeps. While a window watches, it tells it what the contacts do.
+/// prepares and the instrument takes while it sounds, and the latency, to read. That thread also watches the
+/// instrument's file (watched_file.hpp); without one it sleeps. While a window watches, it tells it what the contacts
+/// do. An audio input, of an instrument that has one, pushes its body.
 template <std::floating_point T>
 class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlugin {
  public:
@@ -485,6 +485,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
   // all.
   void move(const HostNote& note) {
     if (!is_modulated(note.parameter) || !is_number(note.value)) return;
+    if (is_macro(note.parameter) && note.kind == HostNote::Kind::kSet) return;  // it has no notes
     if (is_of_all(note.name) || is_macro(note.parameter)) {
       modulate(note.parameter, note.value);
       return take_values();

@@ -255,7 +255,7 @@ class InstrumentVst3 : public PluginVst3 {
     if (id == kVst3InternalParameterProgram) return plainParameterToNormalized(id, program_);
     if (is_parameter(id)) return scale(index_of(id)).part_of(fPlugin.getParameterValue(index_of(id)));
     // Ardour 7.3 sends what it reads here before the first note.
-    return id == kVst3InternalParameterMidiCC_start + kPitchWheel ? 0.5 : 0;
+    return is_hidden(id) && controller_of(id) == kPitchWheel ? 0.5 : 0;
   }
 
   /// Of a value that the window has set.
@@ -377,7 +377,10 @@ class InstrumentVst3 : public PluginVst3 {
   [[nodiscard]] static int channel_of(v3_param_id id) {
     return static_cast<int>(id - kVst3InternalParameterMidiCC_start) / kControllers;
   }
-  void hide(int controller, int channel) { hidden_[hidden_count_++] = hidden_id(controller, channel); }
+  void hide(int controller, int channel) {
+    const v3_param_id id = hidden_id(controller, channel);
+    if (!is_hidden(id)) hidden_[hidden_count_++] = id;
+  }
 
   // Does the host give the input a signal?
   [[nodiscard]] bool has_input([[maybe_unused]] const v3_process_data& data) const {

@@ -29,8 +29,8 @@ struct Macro {
   std::array<std::string_view, 2> endings;
   bool is_played;
   MacroTo to;
-  double
-      taper;  ///< the part of the way is the macro to this power: what decays by a damping asks for a fine beginning
+  double taper;     ///< the part of the way is the macro to this power: a damping asks for a fine beginning
+  double most = 1;  ///< of the way: at the very end of a string a blow is silent
 };
 
 [[nodiscard]] constexpr Parameter macro_parameter(const char* name) {
@@ -40,7 +40,7 @@ struct Macro {
 inline constexpr std::array<Macro, 4> kMacros = {
     {{macro_parameter("harder"), {"stiffness_ratio"}, false, MacroTo::kMax, 1},
      {macro_parameter("stronger"), {"normal_force_n", "pluck_n"}, true, MacroTo::kFar, 1},
-     {macro_parameter("nearer"), {"strike_m", "bow_place_m"}, false, MacroTo::kNearest, 1},
+     {macro_parameter("nearer"), {"strike_m", "bow_place_m"}, false, MacroTo::kNearest, 1, 0.98},
      {macro_parameter("shorter"), {"damping_per_s"}, false, MacroTo::kMax, 3}}};
 
 /// Does a macro move this parameter?
@@ -64,7 +64,7 @@ inline constexpr std::array<Macro, 4> kMacros = {
                          : macro.to == MacroTo::kNearest ? scale.part_of(parameter.initial) < 0.5
                                                          : false;
   const double end = (amount > 0) == is_to_min ? min : max;
-  const double way = std::pow(std::abs(amount), macro.taper);
+  const double way = macro.most * std::pow(std::abs(amount), macro.taper);
   if (way >= 1) return end;
   return value_at(parameter, std::lerp(scale.part_of(value), end == max ? 1.0 : 0.0, way));
 }

@@ -119,8 +119,11 @@ TEST(BadInstrument, ThatStretchesMayHaveNoFaustText) {
 
   const std::string of_plate = changed(kGood, R"("name": "lid", "max_modes": 30,)",
                                        R"("name": "lid", "max_modes": 8, "stretch": { "airy_functions": 2 },)");
+  const std::string of_both = changed(good, R"("name": "lid", "max_modes": 30,)",
+                                      R"("name": "lid", "max_modes": 8, "stretch": { "airy_functions": 2 },)");
   for (const auto& [file, what] :
        {std::pair(of_plate, "plate lid with stretch"),
+        {of_both, "plate lid with stretch"},
         {changed(good, "felt_c4", "felt_stulov_c4"), "body other with stretch and a contact with memory"}}) {
     write_file(box / "probe.json", file);
     const std::string why = fmt::format("probe has the {}, which only the C++ class plays", what);

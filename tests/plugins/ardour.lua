@@ -1,8 +1,9 @@
 -- SPDX-License-Identifier: MIT
 -- For ardour_test, in ardour7-lua. "record FOLDER" makes a session there with a MIDI track for each plug-in, loads a
 -- preset, moves a parameter, and records a note of the virtual keyboard on all tracks; "record FOLDER KEY:CENTS ..." a
--- chord of MPE on the channels from 2 on, each key bent by so much. "restore FOLDER" opens the session and bounces each track into FOLDER/session/interchange/session/audiofiles/TRACK%L.wav. Both write what they
--- see into FOLDER/MODE.txt, in lines of words between tabs.
+-- chord of MPE on the channels from 2 on, each key bent by so much. "restore FOLDER" opens the session and bounces each
+-- track into FOLDER/session/interchange/session/audiofiles/TRACK%L.wav. Both write what they see into FOLDER/MODE.txt,
+-- in lines of words between tabs.
 local mode, folder = arg[1], arg[2]
 local out = assert(io.open(folder .. "/" .. mode .. ".txt", "w"))
 local function tell(...) out:write(table.concat({...}, "\t"), "\n") out:flush() end
@@ -80,7 +81,7 @@ local function record(session)
   end
   session:maybe_enable_record(false)
   session:request_roll(ARDOUR.TransportRequestSource.TRS_UI)
-  -- Ardour keeps controllers apart, and would play those of one block in another order. A busy machine is late.
+  -- Ardour keeps controllers apart, and would play those of one block in another order: wait for the next blocks.
   local function wait_for_blocks()
     local from = session:transport_sample()
     while session:transport_sample() < from + 4096 do sleep(0.01) end

@@ -167,8 +167,8 @@ void change_all(HostedPlugin& plugin, std::mt19937& random) {
   (void)plugin.run(1);
 }
 
-/// A chord of a plug-in, and of the class.
-void expect_chord_of_class(HostedPlugin& plugin, Reference& model, double least_db) {
+/// A chord of a plug-in, and of the class. Returns how loud it is.
+double expect_chord_of_class(HostedPlugin& plugin, Reference& model, double least_db) {
   HostedPlugin::Sound sound, expected;
   for (const std::uint8_t key : std::initializer_list<std::uint8_t>{60, 64, 67}) {
     plugin.send(0, {0x90, key, 100});
@@ -181,6 +181,7 @@ void expect_chord_of_class(HostedPlugin& plugin, Reference& model, double least_
   for (const std::size_t side : {0u, 1u})
     EXPECT_TRUE(sound[side] == expected[side] || agreement_db<float>(sound[side], expected[side]) >= least_db)
         << agreement_db<float>(sound[side], expected[side]);
+  return rms(expected[0]);
 }
 
 // Bit by bit, at 0 a macro does nothing, and at 1 and -1 its parameters are at the ends of their sliders. Between
@@ -214,13 +215,14 @@ TEST_P(EveryPlugin, MovesParametersByMacros) {
                              : macro->to == MacroTo::kNearest ? 2 * parameter.initial >= min + max
                                                               : true;
         const double value = instrument.value(p), end = is_last == (amount > 0) ? max : min,
-                     part = std::pow(std::abs(amount), macro->taper);
+                     part = macro->most * std::pow(std::abs(amount), macro->taper);
         model->hosted().set(p, part == 1                                ? end
                                : parameter.scale == Scale::kLogarithmic ? value * std::pow(end / value, part)
                                                                         : value + part * (end - value));
       }
       rest();
-      expect_chord_of_class(*plugin, *model, least_db);
+      const double loudness = expect_chord_of_class(*plugin, *model, least_db);
+      EXPECT_TRUE(loudness > 1e-6 || (macro->is_played && amount == -1)) << loudness;
       EXPECT_EQ(plugin->value(macro->parameter.name), amount);
     }
   }

@@ -386,6 +386,7 @@ CONTACTSPLINE_WEB(void, engine_strike, int number, int event, double value) {
   with_voice(number, [&](Voice& voice) {
     voice.is_played = true;
     voice.instrument->play(static_cast<std::size_t>(event), value);
+    if (value == 0) return;  // which lifts a bow
     for (const double velocity : {1.0, 0.0})
       hear(voice.instrument->key_of(static_cast<std::size_t>(event)), velocity);
   });

@@ -31,16 +31,17 @@ function report({ force, energy }) {
   byId("energy").textContent = `${energy.toExponential(2)} J`;
 }
 
-/** An octave from middle C, or one button for each event. */
-function showKeys() {
-  const { keys, events } = node.description;
-  const first = keys && Math.max(keys[0], Math.min(60, keys[1] - 12));
-  const names = keys ? Array.from({ length: 13 }, (_, i) => "C C# D D# E F F# G G# A A# B".split(" ")[(first + i) % 12]) : events.map(({ label }) => label);
+/** An octave from middle C, or the keys that there are, or one button for each event. */
+function showKeys() {  const { keys, ranges, events } = node.description;
+  const all = (ranges.length > 0 ? ranges : keys ? [keys] : []).flatMap(([first, last]) => Array.from({ length: last - first + 1 }, (_, i) => first + i));
+  const from = Math.max(0, Math.min(all.indexOf(60), all.length - 13));
+  const shown = all.slice(from, from + 13);
+  const names = keys ? shown.map((key) => "C C# D D# E F F# G G# A A# B".split(" ")[key % 12]) : events.map(({ label }) => label);
   byId("keys").replaceChildren(
     ...names.map((name, i) => {
       const button = Object.assign(document.createElement("button"), { textContent: name });
-      button.addEventListener("pointerdown", () => (keys ? node.noteOn(first + i, 0.7) : node.strike(events[i].name)));
-      for (const end of ["pointerup", "pointerleave"]) button.addEventListener(end, () => keys && node.noteOff(first + i));
+      button.addEventListener("pointerdown", () => (keys ? node.noteOn(shown[i], 0.7) : node.strike(events[i].name)));
+      for (const end of ["pointerup", "pointerleave"]) button.addEventListener(end, () => keys && node.noteOff(shown[i]));
       return button;
     }),
   );
