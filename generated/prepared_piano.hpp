@@ -442,7 +442,7 @@ class prepared_piano : public Voices<NetworkInstrument<T>> {
         {"bridge_end_force_n", "N", 50.0},
         {"bolt_force_n", "N", 100.0}}};
     static constexpr std::array<KeyRange, 1> key_ranges = {{
-        {24, 48, 0, 36}}};
+        {24, 60, 0, 36}}};
     static constexpr std::array<double, 243> tension_squares = {
         111311.3278318, 445245.3113273, 1001801.950487, 1780981.245309, 2782783.195796, 4007207.801946,
         5454255.06376, 7123924.981237, 9016217.554379, 11131132.78318, 13468670.66765, 16028831.20778,

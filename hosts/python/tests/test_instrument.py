@@ -238,11 +238,11 @@ def test_parts_are_mixed_by_the_controllers_of_their_channels(tmp_path):
 def test_a_path_is_a_name_and_stands_in_messages_as_it_is(tmp_path, program):
     folder = tmp_path / "a,b--channel"
     folder.mkdir()
-    song, trichord = folder / "song.mid", folder / "my=trichord.json"
-    song.write_bytes(SONG)
-    trichord.write_text(program("show", "trichord_c4", "--name", "my_trichord").stdout)
-    played = cs.play_score(song, instrument=trichord)
-    assert np.array_equal(cs.play_score(song, instrument={1: trichord}).samples, played.samples)
+    song, guitar = folder / "song.mid", folder / "my=guitar.json"
+    song.write_bytes(SONG.replace(b"\x90\x60", b"\x90\x3c").replace(b"\x80\x60", b"\x80\x3c"))  # key 60
+    guitar.write_text(program("show", "classical_guitar", "--name", "my_guitar").stdout)
+    played = cs.play_score(song, instrument=guitar)
+    assert np.array_equal(cs.play_score(song, instrument={1: guitar}).samples, played.samples)
     with pytest.raises(cs.Error, match=r"a,b--channel/song\.mid: MIDI: no note is on channel 2; allowed: channel 1"):
         cs.play_score(song, channel=2)
 
