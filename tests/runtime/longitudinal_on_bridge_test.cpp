@@ -72,7 +72,7 @@ std::vector<double> played(detail::KeysOnBridge<double>& keys, Each each) {
       key.is_struck = false;
       keys.set_modes(0, 0);
     }
-    keys.process(std::span(sound).subspan(static_cast<std::size_t>(n), 1), right, {});
+    keys.process(std::span(sound).subspan(static_cast<std::size_t>(n), 1), right, {}, {});
     each(n);
   }
   return sound;
