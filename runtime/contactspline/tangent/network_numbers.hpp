@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "contactspline/data/stretch_form.hpp"
 #include "contactspline/modal/mode.hpp"
 #include "contactspline/tangent/contact_gradient.hpp"
 
@@ -27,6 +28,7 @@ struct NetworkNumbers {
   std::vector<std::vector<Mode>> bodies = {};
   std::vector<ModeShapes<T>> places = {};
   std::vector<ConnectionNumbers<T>> connections = {};
+  std::vector<std::vector<StretchForm>> forms = {};  ///< of each body; for StretchingTangent alone
 };
 
 /// The derivatives of a sum with respect to the samples of a network: of the displacement of each place and the force
