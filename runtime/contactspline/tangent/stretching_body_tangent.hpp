@@ -23,6 +23,22 @@
 
 namespace contactspline::detail {
 
+/// As in TwoStepMotion: modes that lose more of their energy in a sample have no velocity.
+inline constexpr double kMaxLoss = 0.19;
+
+/// By how much 1 m/s moves a mode in free motion over a sample [s].
+[[nodiscard]] inline double travel_of(const Mode& mode, double sample_rate_hz) {
+  return 1 / mode_constants(mode, sample_rate_hz).velocity_gain;
+}
+/// The derivative of travel_of(mode) in a direction: of exp(-decay dt) sin(w dt)/w.
+[[nodiscard]] inline double travel_tangent(const Mode& mode, const Mode& direction, double sample_rate_hz) {
+  const double w = mode.angular_frequency_rad_per_s, dt = 1 / sample_rate_hz;
+  const double by_decay = -dt * direction.decay_per_s * travel_of(mode, sample_rate_hz);
+  if (!(w > 0)) return by_decay;
+  const double by_w = std::exp(-mode.decay_per_s * dt) * (dt * std::cos(w * dt) - std::sin(w * dt) / w) / w;
+  return by_decay + by_w * direction.angular_frequency_rad_per_s;
+}
+
 /// The sum of all products of numbers with slopes, as many of each.
 template <std::floating_point T, std::size_t P>
 [[nodiscard]] Dual<T, P> product(const std::vector<Dual<T, P>>& a, const std::vector<Dual<T, P>>& b) {
@@ -95,7 +111,7 @@ class StretchingBodyTangent {
       loss_.emplace_back(step.loss);
       admittance_.emplace_back(step.admittance);
       decay_.emplace_back(modes[i].decay_per_s);
-      travel_.emplace_back(1 / mode_constants(modes[i], sample_rate_hz).velocity_gain);
+      travel_.emplace_back(travel_of(modes[i], sample_rate_hz));
       for (std::size_t p = 0; p < P; ++p) {
         const ModeStep tangent = step_tangent(modes[i], directions[p][i], sample_rate_hz);
         stiffness_[i].slopes[p] = static_cast<T>(tangent.stiffness);
@@ -156,16 +172,6 @@ class StretchingBodyTangent {
   [[nodiscard]] const std::vector<FormTangent<T, P>>& forms() const { return forms_; }
 
  private:
-  static constexpr double kMaxLoss = 0.19;  // as in TwoStepMotion
-
-  // The slope of 1/velocity_gain = exp(-decay dt) sin(w dt)/w.
-  [[nodiscard]] static double travel_tangent(const Mode& mode, const Mode& direction, double sample_rate_hz) {
-    const double w = mode.angular_frequency_rad_per_s, dt = 1 / sample_rate_hz;
-    const double by_decay = -dt * direction.decay_per_s / mode_constants(mode, sample_rate_hz).velocity_gain;
-    if (!(w > 0)) return by_decay;
-    const double by_w = std::exp(-mode.decay_per_s * dt) * (dt * std::cos(w * dt) - std::sin(w * dt) / w) / w;
-    return by_decay + by_w * direction.angular_frequency_rad_per_s;
-  }
   void take() {
     for (FormTangent<T, P>& form : forms_) form.take(displacement_);
   }
@@ -179,9 +185,9 @@ class StretchingBodyTangent {
   }
 
   std::vector<FormTangent<T, P>> forms_;
-  Numbers stiffness_, loss_, admittance_, decay_, travel_;  // travel: by how much 1 m/s moves a mode
-  Numbers displacement_, change_, free_;                    // q, c and d of TwoStepMotion
-  Numbers moved_;                                           // c of this sample
+  Numbers stiffness_, loss_, admittance_, decay_, travel_;
+  Numbers displacement_, change_, free_;  // q, c and d of TwoStepMotion
+  Numbers moved_;                         // c of this sample
 };
 
 }  // namespace contactspline::detail

@@ -24,7 +24,7 @@ namespace contactspline {
 
 /// A ContactNetwork in which a body stretches, with its derivatives with respect to P parameters: beside what
 /// NetworkTangent has also by the numbers of the forms. Controls and places stay as the plan says, rigid links keep
-/// their stiffness. At least one body of the plan stretches.
+/// their stiffness, contacts with a memory begin apart. At least one body of the plan stretches.
 template <std::floating_point T, std::size_t P>
 class StretchingTangent {
  public:
