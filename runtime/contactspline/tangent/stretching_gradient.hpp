@@ -22,6 +22,8 @@
 #include "contactspline/tangent/network_modes.hpp"
 #include "contactspline/tangent/network_numbers.hpp"
 #include "contactspline/tangent/stretching_backwards.hpp"
+#include "contactspline/tangent/stretching_body_tangent.hpp"
+#include "contactspline/tangent/stretching_record.hpp"
 
 namespace contactspline {
 
