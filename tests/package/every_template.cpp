@@ -103,6 +103,12 @@
 #include "contactspline/tangent/network_tangent.hpp"
 #include "contactspline/tangent/place_tangent.hpp"
 #include "contactspline/tangent/shapes_history.hpp"
+#include "contactspline/tangent/stretching_adjoints.hpp"
+#include "contactspline/tangent/stretching_backwards.hpp"
+#include "contactspline/tangent/stretching_body_tangent.hpp"
+#include "contactspline/tangent/stretching_gradient.hpp"
+#include "contactspline/tangent/stretching_record.hpp"
+#include "contactspline/tangent/stretching_tangent.hpp"
 #include "contactspline/tangent/strike_gradient.hpp"
 #include "contactspline/tangent/strike_tangent.hpp"
 
@@ -129,6 +135,9 @@ using Felt = materials::felt_c4;
   template class ContactTangent<T, 3>;                                                                          \
   template class MassBarrierTangent<T, 3>;                                                                      \
   template class NetworkTangent<T, 3>;                                                                          \
+  template class StretchingTangent<T, 3>;                                                                       \
+  template class detail::StretchingBackwards<T>;                                                                \
+  template class RecordedStretching<T>;                                                                         \
   template class RecordedNetwork<T>;                                                                            \
   template class StrikeTangent<T, 3>;                                                                           \
   template T derivative(const NetworkNumbers<T>&, const NetworkNumbers<T>&);                                    \

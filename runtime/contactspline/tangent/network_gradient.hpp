@@ -32,7 +32,8 @@ namespace contactspline {
 template <std::floating_point T>
 class RecordedNetwork {
  public:
-  /// The plan must outlive this. None of its bodies stretches, none of its connections is friction.
+  /// The plan must outlive this. None of its bodies stretches (RecordedStretching), none of its connections is
+  /// friction.
   RecordedNetwork(const NetworkPlan<T>& plan, double sample_rate_hz)
       : plan_(plan), rate_(sample_rate_hz), model_(plan, sample_rate_hz) {
     for (std::size_t k = 0; k < plan.connections().size(); ++k)

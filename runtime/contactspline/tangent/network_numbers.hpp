@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "contactspline/data/stretch_form.hpp"
 #include "contactspline/modal/mode.hpp"
 #include "contactspline/tangent/contact_gradient.hpp"
 
@@ -27,7 +28,20 @@ struct NetworkNumbers {
   std::vector<std::vector<Mode>> bodies = {};
   std::vector<ModeShapes<T>> places = {};
   std::vector<ConnectionNumbers<T>> connections = {};
+  std::vector<std::vector<StretchForm>> forms = {};  ///< of each body; products in the order of the form's
 };
+
+namespace detail {
+
+[[nodiscard]] inline double product(const StretchForm& a, const StretchForm& b) {
+  using Product = StretchForm::Product;
+  return a.stiffness_j * b.stiffness_j +
+         sum_over(a.squares_per_m2, b.squares_per_m2, [](double x, double y) { return x * y; }) +
+         sum_over(a.products, b.products,
+                  [](const Product& x, const Product& y) { return x.factor_per_m2 * y.factor_per_m2; });
+}
+
+}  // namespace detail
 
 /// The derivatives of a sum with respect to the samples of a network: of the displacement of each place and the force
 /// of each connection, one value for each sample. What is missing at the end of any list is 0, and what is too much
@@ -67,7 +81,11 @@ template <std::floating_point T>
         return derivative(a.contact, b.contact) + a.gap_m * b.gap_m + a.spring_n_per_m * b.spring_n_per_m +
                a.resistance_n_s_per_m * b.resistance_n_s_per_m;
       });
-  return static_cast<T>(bodies) + places + connections;
+  using Forms = std::vector<StretchForm>;
+  const double forms = detail::sum_over(gradient.forms, direction.forms, [](const Forms& a, const Forms& b) {
+    return detail::sum_over(a, b, [](const StretchForm& x, const StretchForm& y) { return detail::product(x, y); });
+  });
+  return static_cast<T>(bodies + forms) + places + connections;
 }
 
 }  // namespace contactspline

@@ -24,8 +24,8 @@ namespace contactspline {
 
 /// A ContactNetwork with its derivatives with respect to P parameters. Controls stay as the plan says, rigid links
 /// keep their stiffness. Once put_place() or move_place() has moved a place or its slopes, the shapes there change
-/// with the place alone, not by what the directions say of them. No body of the plan stretches, no connection is
-/// friction.
+/// with the place alone, not by what the directions say of them. No body of the plan stretches (StretchingTangent),
+/// no connection is friction.
 template <std::floating_point T, std::size_t P>
 class NetworkTangent {
  public:
