@@ -187,6 +187,27 @@ TEST(LayersOfTheTree, LibrariesStayInTheirFolders) {
     }
 }
 
+// The engine is compiled once (runtime/contactspline/host/engine_*.cpp): what reads, emits and plays calls it.
+TEST(LayersOfTheTree, GeneratorSeesTheNetworkInOneFile) {
+  std::map<std::string, std::vector<std::string>> includes;
+  for (const Tree& tree : {kGenerator, kRuntime})
+    for (const SourceFile& file : files_of(tree)) {
+      includes[file.path] = includes_of(kGenerator, file);
+      for (const std::string& include : includes_of(kRuntime, file)) includes[file.path].push_back(include);
+    }
+  std::set<std::string> seeing;
+  for (const SourceFile& file : files_of(kGenerator)) {
+    std::set<std::string> reached;
+    for (std::vector<std::string> next{file.path}; !next.empty();) {
+      const std::string path = next.back();
+      next.pop_back();
+      if (reached.insert(path).second) next.insert(next.end(), includes[path].begin(), includes[path].end());
+    }
+    if (reached.contains("runtime/contactspline/network/contact_network.hpp")) seeing.insert(file.path);
+  }
+  EXPECT_EQ(seeing, std::set<std::string>{"generator/instrument/static_equilibrium.cpp"});
+}
+
 TEST(LayersOfTheTree, RuntimeKnowsNothingOfTheGenerator) {
   for (const SourceFile& file : source_files({"runtime"}, {".cpp", ".hpp"}))
     EXPECT_TRUE(matches(file.text, kGenerator.include_pattern).empty()) << file.path;
