@@ -29,11 +29,8 @@ struct Backwards {
     gradient = network.gradient(weights);
   }
 
-  /// The weight of a sample, as Scene::play() orders them.
-  [[nodiscard]] double weight(std::size_t i) const {
-    const std::size_t outputs = 1 + scene.plan.connections().size(), n = i / outputs, k = i % outputs;
-    return k == 0 ? weights.displacements[scene.struck][n] : weights.forces[k - 1][n];
-  }
+  /// The weight of a number, as Scene::play() orders them.
+  [[nodiscard]] double weight(std::size_t i) const { return weight_of(weights, scene.struck, i); }
 
   /// The derivative of the sum with respect to a number of the scene, as its Slopes count it.
   [[nodiscard]] double derivative_by(int number, const NetworkNumbers<double>& direction) const {

@@ -28,4 +28,11 @@ inline NetworkWeights<double> random_weights(const NetworkPlan<double>& plan,
   return weights;
 }
 
+/// The weight of number i of a list that has, for each sample, the displacement of a place and the forces of all
+/// connections.
+inline double weight_of(const NetworkWeights<double>& weights, std::size_t place, std::size_t i) {
+  const std::size_t outputs = 1 + weights.forces.size(), n = i / outputs, k = i % outputs;
+  return k == 0 ? weights.displacements[place][n] : weights.forces[k - 1][n];
+}
+
 }  // namespace contactspline::testing
