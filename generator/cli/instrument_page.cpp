@@ -26,8 +26,19 @@ std::string range_text(std::vector<double> numbers) {
   return min == max ? fmt::format("{:.6g}", min) : fmt::format("{:.6g} to {:.6g}", min, max);
 }
 
-// A string or a membrane by its stiffness, a plate by its Airy functions and what they leave out.
+std::string string_stretch_row(const StretchingString& string) {
+  std::string row = fmt::format(", stretches with {:.6g} N", string.axial_stiffness_n);
+  const auto hz = [](const Mode& mode) { return mode.angular_frequency_rad_per_s / (2 * std::numbers::pi); };
+  if (const std::vector<Mode> modes = longitudinal_modes(string); !modes.empty())
+    row += fmt::format(" and {} longitudinal modes from {:.6g} to {:.6g} Hz", modes.size(), hz(modes.front()),
+                       hz(modes.back()));
+  return row;
+}
+
+// A string by its axial stiffness, a membrane by that of its form, a plate by its Airy functions and what they leave
+// out.
 std::string stretch_row(const InstrumentBody& body, std::size_t modes) {
+  if (body.axial_stiffness_n > 0) return string_stretch_row(body.as_stretching_string());
   if (body.airy_functions == 0)
     return body.stretches() ? fmt::format(", stretches with {:.6g} J", body.stretch_j) : "";
   const std::size_t lowest = std::min<std::size_t>(10, modes);

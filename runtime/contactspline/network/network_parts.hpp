@@ -28,6 +28,11 @@ template <std::floating_point T>
 struct NetworkBody {
   NetworkBody(std::span<const Mode> modes, double sample_rate_hz) : bank(modes, sample_rate_hz) {}
 
+  /// As ModalBank::retune. Modes that stretch the body by themselves stay.
+  void retune(std::span<const Mode> modes) {
+    bank.retune(motion ? modes.first(motion->own_springs()) : modes);
+    take_motion();
+  }
   /// Takes a motion of the modes that was set between two samples.
   void take_motion() {
     if (motion) motion->take_motion(bank);
@@ -148,7 +153,7 @@ struct NetworkParts {
   NetworkParts(const NetworkPlan<T>& plan, double sample_rate_hz) : samples_of_step(plan.samples_of_step()) {
     for (std::size_t b = 0; b < plan.bodies().size(); ++b) {
       bodies.emplace_back(plan.bodies()[b], sample_rate_hz);
-      if (samples_of_step == 2) bodies[b].motion.emplace(plan.forms(b), plan.bodies()[b].size());
+      if (samples_of_step == 2) bodies[b].motion.emplace(plan.forms(b), bodies[b].bank);
     }
     for (const auto& place : plan.places()) {
       places.emplace_back(place.body, place.shapes);
