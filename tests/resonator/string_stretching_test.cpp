@@ -91,7 +91,8 @@ TEST(StringStretching, StoresTheIntegralOfTheSquaredStrain) {
     double tension = 0, slope = 0, along = 0;
     for (std::size_t i = 0; i < q.size(); ++i) {
       const std::size_t number = i < kTransverse ? i + 1 : i - kTransverse + 1;
-      (i < kTransverse ? slope : along) += (number % 2 == 0 ? 1 : -1) * static_cast<double>(number) * kPi / 1.9 * q[i];
+      (i < kTransverse ? slope : along) +=
+          (number % 2 == 0 ? 1 : -1) * static_cast<double>(number) * kPi / 1.9 * q[i];
     }
     for (std::size_t k = 0; k < forms.size(); ++k) {
       StretchForm alone = forms[k];
@@ -189,7 +190,8 @@ TEST(StringStretching, MovesAsTheStrainPulls) {
   }
   const auto coarse = sounds(4 * kRate), fine = sounds(8 * kRate);
   for (std::size_t s = 0; s < 2; ++s) {
-    const double error = relative_error(fine[s], expected[s]), order = std::log2(relative_error(coarse[s], expected[s]) / error);
+    const double error = relative_error(fine[s], expected[s]),
+                 order = std::log2(relative_error(coarse[s], expected[s]) / error);
     Measured() << (s == 0 ? "transverse" : "longitudinal") << " motion at 352.8 kHz within " << error << ", order "
                << order;
     EXPECT_TRUE(within(error, 0, 1e-5));
@@ -204,13 +206,15 @@ TEST(StringStretching, KeepsPolesAndComplianceOfLongitudinalModes) {
   constexpr std::size_t kTransverse = 2, kLongitudinal = 8;
   const StretchingString string = bass_string(kLongitudinal, {60, 0.5});
   const std::vector<Mode> modes = modes_of(string, kTransverse);
+  double largest_error = 0;
   for (const double rate : {12000.0, 44100.0, 192000.0})
     for (std::size_t m = kTransverse; m < modes.size(); ++m) {
       StretchingBank<double> bank(modes, stretch_forms(string, first_numbers(kTransverse)), rate);
       ModeShapes<double> at(modes.size());
       at[m] = 1;
       const auto& [w, s, mass] = modes[m];
-      const double r = std::exp(-s / rate), gain = (1 - 2 * r * std::cos(w / rate) + r * r) / (mass * (w * w + s * s));
+      const double r = std::exp(-s / rate),
+                   gain = (1 - 2 * r * std::cos(w / rate) + r * r) / (mass * (w * w + s * s));
       double worst = 0, largest = 0;
       for (int n = 1; n <= 400; ++n) {
         bank.predict();
@@ -220,14 +224,16 @@ TEST(StringStretching, KeepsPolesAndComplianceOfLongitudinalModes) {
         worst = std::max(worst, std::abs(bank.displacement(m) - expected));
         largest = std::max(largest, std::abs(expected));
       }
-      EXPECT_TRUE(within(worst / largest, 0, 1e-10)) << rate << " Hz, mode " << m;
-      for (int n = 0; n < static_cast<int>(40 / s * rate); ++n) {
+      EXPECT_TRUE(within(worst / largest, 0, 1e-11)) << rate << " Hz, mode " << m;
+      largest_error = std::max(largest_error, worst / largest);
+      for (int n = 0; n < static_cast<int>(30 / s * rate); ++n) {
         bank.predict();
         bank.push(at, 1e-3);
         bank.commit();
       }
       EXPECT_TRUE(relatively_within(bank.displacement(m), 1e-3 / stiffness_of(modes[m]), 1e-10)) << rate << " Hz";
     }
+  Measured() << "response to an impulse within " << largest_error;
 }
 
 // What moves little drives its longitudinal modes and feels nothing of them: the tension at the far end is that of
@@ -247,8 +253,8 @@ TEST(StringStretching, DrivesLittleMotionOneWay) {
   std::vector<Row> rows;
   for (std::size_t n = 0; n < kTransverse; ++n)
     rows.push_back({modes[n], static_cast<double>(n + 1) * kPi / string.string.length_m});
-  LongitudinalModes<double> along(
-      string.string, {string.axial_stiffness_n, string.longitudinal_losses}, std::span<const Row>(rows), kRate);
+  LongitudinalModes<double> along(string.string, {string.axial_stiffness_n, string.longitudinal_losses},
+                                  std::span<const Row>(rows), kRate);
   ASSERT_EQ(along.size(), kLongitudinal);
   std::vector<double> found, expected;
   std::vector<double> q(16);
@@ -279,17 +285,18 @@ TEST(StringStretching, DrivesLittleMotionOneWay) {
 struct Balance {
   double error = 0, bound = 0, stretching = 0, risen = 0;
 };
-// A random string of up to 24 transverse and 16 longitudinal modes, plucked so far that its tension rises by up to ten
-// times; some longitudinal modes lie above half the rate.
+// A random string of up to 24 transverse and 16 longitudinal modes, plucked so far that its tension rises by up to
+// ten times; some longitudinal modes lie above half the rate.
 template <typename T>
 Balance balance_of(std::uint64_t seed, double loss, double farthest) {
   Random random(seed);
   const double length = random.log_between(0.2, 2), core = random.log_between(2e-4, 1.5e-3);
   const double mass = 7800 * 0.785 * core * core * length * random.log_between(1, 8);
-  const StretchingString string{{length, mass, 4 * length * mass * std::pow(random.log_between(30, 400), 2), 0, {0, 0}},
-                                2e11 * 0.785 * core * core,
-                                random.below(17),
-                                {loss * random.log_between(10, 1000), 0}};
+  const StretchingString string{
+      {length, mass, 4 * length * mass * std::pow(random.log_between(30, 400), 2), 0, {0, 0}},
+      2e11 * 0.785 * core * core,
+      random.below(17),
+      {loss * random.log_between(10, 1000), 0}};
   const double rate = random.log_between(8000, 192000);
   const std::size_t transverse = 1 + random.below(24);
   const std::vector<Mode> modes = modes_of(string, transverse, loss * random.between(0, 10));
@@ -321,14 +328,19 @@ Balance balance_of(std::uint64_t seed, double loss, double farthest) {
 
 TEST(StringStretching, KeepsItsEnergy) {
   double worst = 0, stretching = 0;
+  int cancelling = 0;
   for (std::uint64_t seed = 0; seed < 1000; ++seed) {
     const Balance balance = balance_of<double>(seed, 0, 4);
-    ASSERT_TRUE(within(balance.error, 0, std::max(1e-12, balance.bound))) << "string " << seed;
-    worst = std::max(worst, balance.error);
+    const bool cancels = balance.bound > 1e-12;
+    ASSERT_TRUE(within(balance.error, 0, cancels ? balance.bound : 1e-12)) << "string " << seed;
+    cancelling += cancels;
+    if (!cancels) worst = std::max(worst, balance.error);
     stretching = std::max(stretching, balance.stretching);
   }
-  Measured() << "largest error of the energy " << worst << ", largest part of it in stretching " << stretching;
+  Measured() << "largest error of the energy " << worst << ", largest part of it in stretching " << stretching << ", "
+             << cancelling << " strings whose terms cancel";
   EXPECT_GT(stretching, 0.9);
+  EXPECT_LT(cancelling, 100);
 }
 
 TEST(StringStretching, NeverGainsEnergy) {
@@ -355,8 +367,8 @@ TEST(StringStretching, LeavesOutLongitudinalModesAboveHalfTheRate) {
   constexpr std::size_t kTransverse = 5;
   const auto sound_of = [&](std::size_t longitudinal) {
     const StretchingString string = bass_string(longitudinal);
-    StretchingBank<double> bank(modes_of(string, kTransverse),
-                                stretch_forms(string, first_numbers(kTransverse)), kRate);
+    StretchingBank<double> bank(modes_of(string, kTransverse), stretch_forms(string, first_numbers(kTransverse)),
+                                kRate);
     bank.set_motion(0, 0.02, 0);
     bank.set_motion(3, 0.01, 0);
     std::vector<double> sound;
