@@ -88,11 +88,13 @@ std::string place_row(const decltype(Resonator::body)& body, const InstrumentPla
   return positions.size() == 1 ? row : fmt::format("{}, {} points", row, positions.size());
 }
 
-std::string friction_row(const InstrumentFriction& friction) {
+std::string friction_row(const InstrumentModel& model, const InstrumentFriction& friction) {
   const auto& [cold, hot] =
       std::pair(friction.material.heat.cold_coefficient, friction.material.heat.hot_coefficient);
   const std::string falls = cold == hot ? "" : fmt::format(", {:g} where hot", hot);
-  return fmt::format(", coefficient {:g}{}, {:g} N, {:g} m/s", cold, falls, friction.normal_force_n,
+  const std::string pressed =
+      friction.pressed_by == kNoConnection ? "" : " and " + model.connections[friction.pressed_by].name;
+  return fmt::format(", coefficient {:g}{}, {:g} N{}, {:g} m/s", cold, falls, friction.normal_force_n, pressed,
                      friction.surface_speed_m_per_s);
 }
 
@@ -100,7 +102,7 @@ std::string connection_row(const InstrumentModel& model, const ConnectionGroup& 
   std::string row =
       fmt::format("{} and {}", place_name(model, group.each.first), place_name(model, group.each.second));
   if (group.gaps_m.size() > 1) row += fmt::format(", {} points", group.gaps_m.size());
-  if (group.each.kind == ConnectionKind::kFriction) return row + friction_row(group.each.friction);
+  if (group.each.kind == ConnectionKind::kFriction) return row + friction_row(model, group.each.friction);
   row += fmt::format(", gap {} m", range_text(group.gaps_m));
   if (group.each.kind == ConnectionKind::kContact)
     row += fmt::format(", {} times {}", model.tables[group.each.table].material, range_text(group.weights));

@@ -98,11 +98,13 @@ std::string members_of(const InstrumentModel& model) {
 
 std::string cpp_friction(const InstrumentFriction& friction) {
   const auto& [bristles, heat] = friction.material;
-  return fmt::format("{{{{{{{}, {}}}, {{{}, {}, {}, {}, {}, {}}}}}, {}, {}, {}}}", literal(bristles.stiffness_per_m),
-                     literal(bristles.damping_s_per_m), literal(heat.cold_coefficient), literal(heat.hot_coefficient),
-                     literal(heat.softening_k), literal(heat.capacity_j_per_n_k), literal(heat.conduction_w_per_n_k),
+  const std::string pressed = friction.pressed_by == kNoConnection ? "" : fmt::format(", {}", friction.pressed_by);
+  return fmt::format("{{{{{{{}, {}}}, {{{}, {}, {}, {}, {}, {}}}}}, {}, {}, {}{}}}",
+                     literal(bristles.stiffness_per_m), literal(bristles.damping_s_per_m),
+                     literal(heat.cold_coefficient), literal(heat.hot_coefficient), literal(heat.softening_k),
+                     literal(heat.capacity_j_per_n_k), literal(heat.conduction_w_per_n_k),
                      literal(heat.renewal_w_per_m_k2), literal(friction.width_m), literal(friction.normal_force_n),
-                     literal(friction.surface_speed_m_per_s));
+                     literal(friction.surface_speed_m_per_s), pressed);
 }
 
 std::string cpp_connection(const InstrumentConnection& c) {
@@ -410,11 +412,12 @@ std::string json_friction(const InstrumentFriction& friction) {
   return fmt::format(
       ", \"stiffness_per_m\": {}, \"damping_s_per_m\": {}, \"cold_coefficient\": {}, \"hot_coefficient\": {}, "
       "\"softening_k\": {}, \"capacity_j_per_n_k\": {}, \"conduction_w_per_n_k\": {}, "
-      "\"renewal_w_per_m_k2\": {}, \"width_m\": {}, \"normal_force_n\": {}, \"surface_speed_m_per_s\": {}",
+      "\"renewal_w_per_m_k2\": {}, \"width_m\": {}, \"normal_force_n\": {}, \"surface_speed_m_per_s\": {}{}",
       literal(bristles.stiffness_per_m), literal(bristles.damping_s_per_m), literal(heat.cold_coefficient),
       literal(heat.hot_coefficient), literal(heat.softening_k), literal(heat.capacity_j_per_n_k),
       literal(heat.conduction_w_per_n_k), literal(heat.renewal_w_per_m_k2), literal(friction.width_m),
-      literal(friction.normal_force_n), literal(friction.surface_speed_m_per_s));
+      literal(friction.normal_force_n), literal(friction.surface_speed_m_per_s),
+      friction.pressed_by == kNoConnection ? "" : fmt::format(", \"pressed_by\": {}", friction.pressed_by));
 }
 
 std::string json_connection(const InstrumentConnection& c) {

@@ -210,6 +210,8 @@ class Flattener {
       connection.second = point(group.each.second, i);
       connection.gap_m = group.gaps_m[i];
       if (!group.weights.empty()) connection.weight = group.weights[i];
+      if (std::size_t& contact = connection.friction.pressed_by; contact != kNoConnection)
+        contact = first_connection_[contact] + (model_.connections[contact].gaps_m.size() == 1 ? 0 : i);
       arrays_.connections.push_back(connection);
     }
   }

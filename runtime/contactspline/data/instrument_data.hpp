@@ -24,13 +24,17 @@ namespace contactspline {
 /// Stands for a place that does not move.
 inline constexpr std::size_t kGround = (std::numeric_limits<std::size_t>::max)();
 
+/// Stands for no connection.
+inline constexpr std::size_t kNoConnection = (std::numeric_limits<std::size_t>::max)();
+
 enum class ConnectionKind { kContact, kSpring, kLink, kFriction };
 
-/// What rubs, how wide it is across the motion, what presses it, and how fast the surface of the first place moves by
-/// itself.
+/// What rubs, how wide it is across the motion, what presses it, how fast the surface of the first place moves by
+/// itself, and the contact whose force presses it, too.
 struct InstrumentFriction {
   FrictionMaterial material = {};
   double width_m = 1, normal_force_n = 0, surface_speed_m_per_s = 0;
+  std::size_t pressed_by = kNoConnection;
 };
 
 /// A connection between two places, kGround for one that does not move.

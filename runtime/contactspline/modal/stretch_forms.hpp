@@ -55,8 +55,10 @@ class StretchingForm {
     return {squares_.data(), gradient_.data(), motion_.data(), moved_by};
   }
 
-  /// What of the stretch stands in no product with the gradient.
-  [[nodiscard]] T stretch_beside_gradient(const T* q) const { return half_linear_ * q[linear_mode_]; }
+  /// What of the stretch stands in no product with the gradient. The body may have no modes at all.
+  [[nodiscard]] T stretch_beside_gradient(const T* q) const {
+    return half_linear_ == 0 ? 0 : half_linear_ * q[linear_mode_];
+  }
   /// The form acts no longer.
   void stop() { stiffness_ = 0; }
 
@@ -67,7 +69,7 @@ class StretchingForm {
       matrix_.for_each([&](std::size_t i, std::size_t j, T factor) { sum += double(factor) * q(i) * p(j); });
     else
       for (std::size_t i = 0; i < squares_.size(); ++i) sum += double(squares_[i]) * q(i) * p(i);
-    return sum + double(half_linear_) * (q(linear_mode_) + p(linear_mode_));
+    return half_linear_ == 0 ? sum : sum + double(half_linear_) * (q(linear_mode_) + p(linear_mode_));
   }
 
  private:

@@ -512,8 +512,12 @@ class ContactNetwork {
     Connection& c = parts_.connections[k];
     solver_[k].free_increment = free_increment + c.lift_of_step() + c.carried;
     c.before = solver_[k].compression;
-    if (solver_[k].is_friction) solver_[k].friction.press({c.normal_force, c.temperature.coefficient()});
+    if (solver_[k].is_friction) solver_[k].friction.press({normal_force(c), c.temperature.coefficient()});
     solver_.add(k);
+  }
+
+  [[nodiscard]] T normal_force(const Connection& c) const {
+    return c.pressed_by == kNoConnection ? c.normal_force : c.normal_force + (std::max)(force(c.pressed_by), T(0));
   }
 
   void warm(std::size_t k) {

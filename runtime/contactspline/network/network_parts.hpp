@@ -121,7 +121,8 @@ struct NetworkConnection {
         spring(plan.spring_n_per_m),
         resistance(plan.resistance_n_s_per_m),
         gap(plan.gap_m),
-        target_gap(plan.gap_m) {}
+        target_gap(plan.gap_m),
+        pressed_by(plan.pressed_by) {}
 
   /// By how much the gap shrinks over the samples on which a force acts [m].
   [[nodiscard]] T lift_of_step() const { return lift + lift_before; }
@@ -142,8 +143,9 @@ struct NetworkConnection {
   bool is_awake = true;
   bool is_following = false;
   // Of friction.
-  T normal_force = 0;  // target [N]
-  T carried = 0;       // by how much the surface of the first place moves by itself in a sample [m]
+  T normal_force = 0;  // target, without that of another connection [N]
+  std::size_t pressed_by;
+  T carried = 0;  // by how much the surface of the first place moves by itself in a sample [m]
   FrictionTemperature<T> temperature;
 };
 

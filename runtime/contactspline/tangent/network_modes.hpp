@@ -41,8 +41,9 @@ struct NetworkModes {
 
   /// Has a form of a body the spring of a mode (StretchForm)?
   [[nodiscard]] bool has_spring(std::size_t body, const StretchForm& form) const {
+    if (form.linear.factor_per_m == 0) return false;
     const std::size_t i = begins[body] + form.linear.mode;
-    return form.linear.factor_per_m != 0 && can_give_away_spring(double(own_stiffness[i]), double(own_admittance[i]));
+    return can_give_away_spring(double(own_stiffness[i]), double(own_admittance[i]));
   }
   /// Does a form act at this sample rate?
   [[nodiscard]] bool acts(std::size_t body, const StretchForm& form) const {

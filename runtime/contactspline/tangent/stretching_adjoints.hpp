@@ -57,6 +57,7 @@ struct FormBackwards {
     return stretch_beside_gradient(form, displacements.data() + begin);
   }
   void add_beside_gradient(T of_it, const std::vector<T>& displacements, std::vector<T>& of_displacements) {
+    if (form.linear.factor_per_m == 0) return;
     const std::size_t m = begin + form.linear.mode;
     of_displacements[m] += of_it * static_cast<T>(form.linear.factor_per_m / 2);
     sum.linear.factor_per_m += double(of_it * displacements[m]) / 2;
@@ -66,7 +67,7 @@ struct FormBackwards {
     const T* q = displacements.data() + begin;
     add_form_product(form, adjoint.data(), of_displacements.data() + begin);
     for (std::size_t i = 0; i < modes; ++i) sum.squares_per_m2[i] += double(adjoint[i]) * double(q[i]);
-    sum.linear.factor_per_m += double(adjoint[form.linear.mode]) / 2;
+    if (form.linear.factor_per_m != 0) sum.linear.factor_per_m += double(adjoint[form.linear.mode]) / 2;
     for (auto& [first, second, factor] : sum.products)
       factor += double(adjoint[first]) * double(q[second]) + double(adjoint[second]) * double(q[first]);
     std::ranges::fill(adjoint, T(0));

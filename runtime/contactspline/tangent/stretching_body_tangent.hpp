@@ -79,11 +79,11 @@ class FormTangent {
       gradient_[first] = gradient_[first] + factor * displacements[second];
       gradient_[second] = gradient_[second] + factor * displacements[first];
     }
-    gradient_[linear_mode_] = gradient_[linear_mode_] + half_linear_;
+    if (has_linear()) gradient_[linear_mode_] = gradient_[linear_mode_] + half_linear_;
   }
   /// As those of StretchingForm.
   [[nodiscard]] Number stretch_beside_gradient(const Numbers& displacements) const {
-    return half_linear_ * displacements[linear_mode_];
+    return has_linear() ? half_linear_ * displacements[linear_mode_] : Number();
   }
   void stop() { stiffness_ = Number(); }
 

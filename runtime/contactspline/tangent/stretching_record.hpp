@@ -44,11 +44,12 @@ template <std::floating_point T>
 void take_form_gradient(const StretchForm& form, const T* q, std::vector<T>& gradient) {
   std::ranges::fill(gradient, T(0));
   add_form_product(form, q, gradient.data());
-  gradient[form.linear.mode] += static_cast<T>(form.linear.factor_per_m / 2);
+  if (form.linear.factor_per_m != 0) gradient[form.linear.mode] += static_cast<T>(form.linear.factor_per_m / 2);
 }
 /// What of the stretch stands in no product with the gradient.
 template <std::floating_point T>
 [[nodiscard]] T stretch_beside_gradient(const StretchForm& form, const T* q) {
+  if (form.linear.factor_per_m == 0) return 0;
   return static_cast<T>(form.linear.factor_per_m / 2) * q[form.linear.mode];
 }
 
