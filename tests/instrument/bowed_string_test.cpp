@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Friction of instrument files: a mass on a belt, and a bowed string.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -159,6 +160,45 @@ TYPED_TEST(BowedViolin, FollowsAFingerThatMoves) {
   Measured() << "pitch at 200 cents " << low << ", at 700 cents " << high;
   EXPECT_TRUE(within(low, 200, 12));
   EXPECT_TRUE(within(high, 700, 12));
+}
+
+// The plectrum presses by the spring of the hand, and drags the string at its own speed until the string pulls by
+// more than 0.3 of that force, which is that of the sample before; then the string slips at that force. After the
+// plectrum is lifted the string rings alone.
+TEST(FrictionOfAFile, LetsGoOfAStringUnderAPlectrum) {
+  Played<double> guitar(parse_instrument(read_input(EXAMPLES_FOLDER "/plectrum.json"), "plectrum.json"));
+  const auto& network = guitar.instrument.network();
+  std::size_t rubbing = 0;
+  while (guitar.arrays.connections[rubbing].kind != ConnectionKind::kFriction) ++rubbing;
+  const std::size_t tip = guitar.arrays.connections[rubbing].friction.pressed_by;
+  ASSERT_EQ(guitar.arrays.connections[tip].kind, ConnectionKind::kContact);
+  double balance = guitar.instrument.energy(), largest = 0;
+  int held = 0, slipped = 0, let_go_at = 0;
+  for (int n = 0; n < 22050; ++n) {
+    const double t = n / kRate;
+    guitar.set("hand_gap_shift_m", 0.003 * std::clamp(std::min(t / 0.01, (0.028 - t) / 0.003), 0.0, 1.0));
+    guitar.set("stroke_surface_speed_m_per_s", 0.3 * std::clamp((t - 0.01) / 0.005, 0.0, 1.0));
+    const double pressing = double(network.force(tip));
+    guitar.instrument.tick();
+    balance += guitar.instrument.work() - guitar.instrument.dissipated();
+    const double rubs = std::abs(double(network.force(rubbing)));
+    ASSERT_LE(rubs, 0.3 * pressing * (1 + 1e-5)) << n;
+    largest = std::max(largest, guitar.instrument.energy());
+    if (!(rubs > 0)) continue;
+    const bool slips = double(network.slip(rubbing)) * kRate > 0.01;
+    if (slips && let_go_at == 0) let_go_at = n;
+    ++(slips ? slipped : held);
+    if (slips) {
+      EXPECT_GT(rubs, 0.29 * pressing) << n;
+    }
+  }
+  Measured() << "held for " << held << " samples, slipped for " << slipped << ", let go at " << let_go_at / kRate
+             << " s";
+  EXPECT_GT(held, 50);
+  EXPECT_GT(slipped, 50);
+  EXPECT_EQ(double(network.force(rubbing)), 0);
+  EXPECT_GT(guitar.instrument.energy(), 1e-5);
+  EXPECT_TRUE(within(guitar.instrument.energy(), balance, 1e-11 * largest));
 }
 
 TYPED_TEST(BowedViolin, FallsSilentWhereTheBowIsLifted) {
