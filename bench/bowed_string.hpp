@@ -84,6 +84,63 @@ inline double part_of(const StringUnderBow& string, double part, std::size_t p, 
   return part + ((static_cast<double>(p) + 0.5) / static_cast<double>(count) - 0.5) * kHairWidth_m / string.length_m();
 }
 
+/// A string under the points of a bow, and what else the network joins to it. All points share hair and normal force.
+struct BowedProblem {
+  std::vector<Mode> string, hair, body;     // hair: one mode at each point, or none; the body may have none
+  std::vector<std::vector<double>> points;  // shapes of the string under each
+  std::vector<double> string_at_bridge, body_at_bridge;  // where a spring joins string and body
+  static constexpr double kBridge_n_per_m = 1e6, kBridge_kg_per_s = 1;
+
+  [[nodiscard]] double share() const { return 1 / static_cast<double>(points.size()); }
+  /// Shapes of the hair's modes at a point.
+  [[nodiscard]] std::vector<double> at_hair(std::size_t point) const {
+    std::vector<double> shapes(hair.size());
+    if (!shapes.empty()) shapes[point] = 1;
+    return shapes;
+  }
+};
+
+inline BowedProblem problem_of(const StringUnderBow& string, double part, std::size_t count) {
+  BowedProblem problem;
+  problem.string = modes_of(string);
+  for (std::size_t p = 0; p < count; ++p) problem.points.push_back(shapes_at(string, part_of(string, part, p, count)));
+  if (count > 1) {
+    const double decay = kHairResistance_kg_per_s / (2 * kHair_kg);
+    const double w = std::sqrt(kHairStiffness_n_per_m / kHair_kg - decay * decay);
+    problem.hair.assign(count, {w, decay, kHair_kg * problem.share()});
+  }
+  return problem;
+}
+
+/// Adds a body of modes at equal ratios of frequency from 275 Hz, 0.2 kg each, of loss factor 0.04, and a bridge at
+/// 0.036 of the length: a load for solvers, not a violin.
+inline void add_body(BowedProblem& problem, const StringUnderBow& string, std::size_t modes) {
+  for (std::size_t i = 0; i < modes; ++i) {
+    const double w = 2 * std::numbers::pi * 275 * std::pow(1.09, static_cast<double>(i));
+    problem.body.push_back({w, 0.02 * w, 0.2});
+  }
+  problem.string_at_bridge = shapes_at(string, 0.036);
+  for (std::size_t i = string.modes; i < problem.string_at_bridge.size(); ++i) problem.string_at_bridge[i] = 0;
+  problem.body_at_bridge.assign(modes, 1);
+}
+
+/// The network of a problem. points: its connections of friction, in order.
+template <std::floating_point T>
+NetworkPlan<T> plan_of(const BowedProblem& problem, std::vector<std::size_t>& points) {
+  NetworkPlan<T> plan;
+  const std::size_t string = plan.add_body(problem.string);
+  const std::size_t hair = problem.hair.empty() ? kGround : plan.add_body(problem.hair);
+  for (std::size_t p = 0; p < problem.points.size(); ++p)
+    points.push_back(plan.add_friction(hair == kGround ? kGround : plan.add_place(hair, problem.at_hair(p)),
+                                       plan.add_place(string, problem.points[p]), kRosin,
+                                       kHairWidth_m * problem.share()));
+  if (!problem.body.empty())
+    plan.add_spring(plan.add_place(string, problem.string_at_bridge),
+                    plan.add_place(plan.add_body(problem.body), problem.body_at_bridge),
+                    T(BowedProblem::kBridge_n_per_m), T(BowedProblem::kBridge_kg_per_s));
+  return plan;
+}
+
 }  // namespace bowing
 
 /// A string under a bow. points: 1 of a rigid bow, or more across its hair.
@@ -91,7 +148,7 @@ template <std::floating_point T = double>
 class BowedString {
  public:
   BowedString(const StringUnderBow& string, double part, std::size_t points, double rate)
-      : string_(string), part_(part), rate_(rate), network_(plan_of(points), rate) {}
+      : string_(string), part_(part), rate_(rate), network_(bowing::plan_of<T>(bowing::problem_of(string, part, points), points_), rate) {}
 
   /// Puts the string into Helmholtz' motion, half a period after its corner passed the bridge: it sticks.
   void set_helmholtz_motion(double speed_m_per_s) {
@@ -124,23 +181,6 @@ class BowedString {
   [[nodiscard]] double period() const { return rate_ / string_.frequency_hz; }  ///< [samples]
 
  private:
-  NetworkPlan<T> plan_of(std::size_t count) {
-    using namespace bowing;
-    NetworkPlan<T> plan;
-    const std::size_t string = plan.add_body(modes_of(string_));
-    const auto share = static_cast<double>(count);
-    for (std::size_t p = 0; p < count; ++p) {
-      const std::size_t place = plan.add_place(string, shapes_at(string_, part_of(string_, part_, p, count)));
-      std::size_t hair = kGround;
-      if (count > 1) {
-        hair = plan.add_mass_place(plan.add_mass(kHair_kg / share));
-        plan.add_spring(hair, kGround, T(kHairStiffness_n_per_m / share), T(kHairResistance_kg_per_s / share));
-      }
-      points_.push_back(plan.add_friction(hair, place, kRosin, kHairWidth_m / share));
-    }
-    return plan;
-  }
-
   StringUnderBow string_;
   double part_, rate_;
   std::vector<std::size_t> points_;
@@ -155,10 +195,10 @@ struct BowedMotion {
   double cents;
 };
 
-/// In the last 0.4 s of one second under a constant bow, which begins in Helmholtz' motion, or at rest.
+/// In the last 0.4 s of two seconds under a constant bow, which begins in Helmholtz' motion, or at rest.
 inline BowedMotion bowed_motion(BowedString<double>& bowed, double force_n, double speed_m_per_s,
                                 bool from_rest = false) {
-  const auto samples = static_cast<int>(bowed.rate()), from = static_cast<int>(0.6 * bowed.rate());
+  const auto samples = static_cast<int>(2 * bowed.rate()), from = static_cast<int>(1.6 * bowed.rate());
   if (!from_rest) bowed.set_helmholtz_motion(speed_m_per_s);
   std::vector<double> begins;
   for (int n = 0; n < samples; ++n) {
