@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// bow_speed [ROUNDS]: what a sample of a bowed string costs, 51 rounds unless told: 60 transverse and 20 torsional modes under
-// four points of hair or one of a rigid bow, on a body of 40 modes, in double and single precision; beside the same
-// equations by Newton's method and, if the build found it, the bowed string of STK, a waveguide without torsion under one
-// point. Medians of paired rounds; ratios are surer than times.
+// bow_speed [ROUNDS]: what a sample of a bowed string costs, 51 rounds unless told: 60 transverse and 20 torsional
+// modes under four points of hair or one of a rigid bow, on a body of 40 modes, in double and single precision;
+// beside the same equations by Newton's method and, if the build found it, the bowed string of STK, a waveguide
+// without torsion under one point. Medians of paired rounds; ratios are surer than times.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -92,4 +92,6 @@ void report(int rounds) {
 }  // namespace
 }  // namespace contactspline::bench
 
-int main(int argc, char** argv) { contactspline::bench::report(argc > 1 ? std::max(1, std::atoi(argv[1])) : 51); }
+int main(int argc, char** argv) {
+  contactspline::bench::report(argc > 1 ? std::max(1, std::atoi(argv[1])) : 51);
+}

@@ -35,10 +35,10 @@ inline constexpr StringUnderBow kCelloD{146.83, 0.548, 2.703e-3, 5.6e-5, 120};
 namespace bowing {
 
 /// Loss factor of partial n, of frequency f: (fixed + in_air/(2 pi f) + B n^2 bending)/(1 + B n^2). Formula: of these
-/// and of J. Woodhouse (Acta Acustica united with Acustica 90, 2004). Constants: steel string of a cello between rigid
-/// ends (M. van Walstijn, V. Chatziioannou, M. Lampis and A. Matusiak, Acta Acustica 10, 2026). The paper prints fixed
-/// and bending the other way round, with which partials would have quality 4; so they fit damping that its laboratory
-/// measured (Proceedings of Meetings on Acoustics 58, 035013, 2025).
+/// and of J. Woodhouse (Acta Acustica united with Acustica 90, 2004). Constants: steel string of a cello between
+/// rigid ends (M. van Walstijn, V. Chatziioannou, M. Lampis and A. Matusiak, Acta Acustica 10, 2026). The paper
+/// prints fixed and bending the other way round, with which partials would have quality 4; so they fit damping that
+/// its laboratory measured (Proceedings of Meetings on Acoustics 58, 035013, 2025).
 inline constexpr double kFixedLoss = 7e-4, kLossInAir_per_s = 0.02, kBendingLoss = 0.25;
 /// Torsion at the surface of the string: ratio of impedances (of 0.53 kg/s, for the violin's string above, ibid.),
 /// of speeds (R. Mores, PLoS ONE 14, 2019, a steel string), quality (J. Woodhouse and A. R. Loach, Acta Acustica
@@ -81,7 +81,8 @@ inline std::vector<double> shapes_at(const StringUnderBow& string, double part) 
 /// Where point p of `count` across the hair is, parts of the length.
 inline double part_of(const StringUnderBow& string, double part, std::size_t p, std::size_t count) {
   if (count == 1) return part;
-  return part + ((static_cast<double>(p) + 0.5) / static_cast<double>(count) - 0.5) * kHairWidth_m / string.length_m();
+  return part +
+         ((static_cast<double>(p) + 0.5) / static_cast<double>(count) - 0.5) * kHairWidth_m / string.length_m();
 }
 
 /// A string under the points of a bow, and what else the network joins to it. All points share hair and normal force.
@@ -103,7 +104,8 @@ struct BowedProblem {
 inline BowedProblem problem_of(const StringUnderBow& string, double part, std::size_t count) {
   BowedProblem problem;
   problem.string = modes_of(string);
-  for (std::size_t p = 0; p < count; ++p) problem.points.push_back(shapes_at(string, part_of(string, part, p, count)));
+  for (std::size_t p = 0; p < count; ++p)
+    problem.points.push_back(shapes_at(string, part_of(string, part, p, count)));
   if (count > 1) {
     const double decay = kHairResistance_kg_per_s / (2 * kHair_kg);
     const double w = std::sqrt(kHairStiffness_n_per_m / kHair_kg - decay * decay);
@@ -148,7 +150,10 @@ template <std::floating_point T = double>
 class BowedString {
  public:
   BowedString(const StringUnderBow& string, double part, std::size_t points, double rate)
-      : string_(string), part_(part), rate_(rate), network_(bowing::plan_of<T>(bowing::problem_of(string, part, points), points_), rate) {}
+      : string_(string),
+        part_(part),
+        rate_(rate),
+        network_(bowing::plan_of<T>(bowing::problem_of(string, part, points), points_), rate) {}
 
   /// Puts the string into Helmholtz' motion, half a period after its corner passed the bridge: it sticks.
   void set_helmholtz_motion(double speed_m_per_s) {

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
 // What strings do under a bow of rosin, beside what was measured, with one set of constants (bench/bowed_string.hpp):
 //
-// bowing limits [RATE [POINTS [rest]]]: Schelleng's diagram of a violin's D string: 24 forces for each of 11 places of
-// the bow at four speeds. Then the ends of the longest row of forces that keep Helmholtz' motion going, to 3.5 %, times
-// the place over the speed (c_upper) and times its square over the speed (c_lower): means and slopes over the places.
-// `rest`: strokes begin at rest, not in this motion.
-// bowing starts [RATE [POINTS]]: Guettler's diagram of a cello's D string, 20 forces by 20 accelerations: periods from
-// the first slip to Helmholtz' motion.
-// bowing rates: the limits of both at 44.1 kHz beside those at 705.6 kHz, and times of first slips.
-// bowing cells: both diagrams, for docs/figures/bowing.gp.
+// bowing limits [RATE [POINTS [rest]]]: Schelleng's diagram of a violin's D string: 24 forces for each of 11 places
+// of the bow at four speeds. Then the ends of the longest row of forces that keep Helmholtz' motion going, to 3.5 %,
+// times the place over the speed (c_upper) and times its square over the speed (c_lower): means and slopes over the
+// places. `rest`: strokes begin at rest, not in this motion. bowing starts [RATE [POINTS]]: Guettler's diagram of a
+// cello's D string, 20 forces by 20 accelerations: periods from the first slip to Helmholtz' motion. bowing rates:
+// the limits of both at 44.1 kHz beside those at 705.6 kHz, and times of first slips. bowing cells: both diagrams,
+// for docs/figures/bowing.gp.
 //
 // POINTS: 1 of a rigid bow, or more across the hair of a bow, 4 unless told.
 #include <algorithm>
@@ -44,8 +43,12 @@ constexpr std::array kMeasuredUpper_kg_per_s = {1.0, 0.73, 0.75, 0.75}, kMeasure
 double geometric(double from, double to, std::size_t i, std::size_t count) {
   return from * std::pow(to / from, static_cast<double>(i) / static_cast<double>(count - 1));
 }
-double force_of(std::size_t i) { return geometric(kLeast_n, kMost_n, i, kForces); }
-double part_of(std::size_t i) { return geometric(0.03, 0.2, i, kPlaces); }
+double force_of(std::size_t i) {
+  return geometric(kLeast_n, kMost_n, i, kForces);
+}
+double part_of(std::size_t i) {
+  return geometric(0.03, 0.2, i, kPlaces);
+}
 
 BowedMotion motion_at(const Setting& setting, double part, double force_n, double speed_m_per_s) {
   BowedString<double> bowed(kViolinD, part, setting.points, setting.rate);
@@ -143,7 +146,9 @@ BowedStart start_at(const Setting& setting, double force_n, double acceleration_
   return bowed_start(bowed, force_n, acceleration_m_per_s2);
 }
 
-double step(std::size_t i) { return kStep * static_cast<double>(i + 1); }
+double step(std::size_t i) {
+  return kStep * static_cast<double>(i + 1);
+}
 
 Starts starts(const Setting& setting) {
   Starts found;
@@ -175,8 +180,8 @@ std::size_t largest_region(Starts found) {
 }
 
 void print_starts(const Setting& setting) {
-  std::printf("%.0f Hz, %zu points; # perfect, 2 to 9 periods, + more, . never; forces from %g by %g N\n", setting.rate,
-              setting.points, kStep, kStep);
+  std::printf("%.0f Hz, %zu points; # perfect, 2 to 9 periods, + more, . never; forces from %g by %g N\n",
+              setting.rate, setting.points, kStep, kStep);
   const Starts found = starts(setting);
   for (std::size_t a = kSteps; a-- > 0;) {
     std::printf("%.2f m/s^2  ", step(a));
@@ -200,13 +205,14 @@ void print_limits_of_rates() {
   double worst_upper = 0, worst_lower = 0;
   std::array<std::vector<Row>, 2> rows;
   for (std::size_t i = 0; i < kPlaces; ++i) {
-    for (std::size_t r = 0; r < 2; ++r) rows[r].push_back(row_at({.rate = r ? kFineRate : kRate}, part_of(i), kSpeed));
+    for (std::size_t r = 0; r < 2; ++r)
+      rows[r].push_back(row_at({.rate = r ? kFineRate : kRate}, part_of(i), kSpeed));
     const Row &coarse = rows[0].back(), &fine = rows[1].back();
     const double lower = coarse.least_n / fine.least_n, upper = coarse.most_n / fine.most_n;
     worst_lower = std::max(worst_lower, std::abs(std::log(lower)));
     worst_upper = std::max(worst_upper, std::abs(std::log(upper)));
-    std::printf("%.3f  %.3f to %.3f N, %.3f to %.3f N, ratios %.2f, %.2f\n", coarse.part, coarse.least_n, coarse.most_n,
-                fine.least_n, fine.most_n, lower, upper);
+    std::printf("%.3f  %.3f to %.3f N, %.3f to %.3f N, ratios %.2f, %.2f\n", coarse.part, coarse.least_n,
+                coarse.most_n, fine.least_n, fine.most_n, lower, upper);
     std::fflush(stdout);
   }
   for (const auto& of_rate : rows)
@@ -240,10 +246,12 @@ void print_starts_of_rates() {
     }
   }
   std::ranges::sort(errors);
-  std::printf("perfect starts: %zu, %zu; %zu of 400 agree; over %.0f accelerations, mean ratios of the least force "
-              "%.2f, of the greatest %.2f\n",
-              perfect(coarse), perfect(fine), agree, rows, std::exp(least / rows), std::exp(greatest / rows));
-  std::printf("first slips: %.2g of the time in the median, at most %.2g\n", errors[errors.size() / 2], errors.back());
+  std::printf(
+      "perfect starts: %zu, %zu; %zu of 400 agree; over %.0f accelerations, mean ratios of the least force "
+      "%.2f, of the greatest %.2f\n",
+      perfect(coarse), perfect(fine), agree, rows, std::exp(least / rows), std::exp(greatest / rows));
+  std::printf("first slips: %.2g of the time in the median, at most %.2g\n", errors[errors.size() / 2],
+              errors.back());
 }
 
 // --- Figure ---
@@ -282,4 +290,6 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace contactspline::bench
 
-int main(int argc, char** argv) { return contactspline::bench::run(argc, argv); }
+int main(int argc, char** argv) {
+  return contactspline::bench::run(argc, argv);
+}

@@ -56,12 +56,15 @@ class NewtonBow {
 
   [[nodiscard]] T force(std::size_t p) const { return points_[p].force; }  ///< over the last sample [N]
   [[nodiscard]] T temperature(std::size_t p) const { return points_[p].surfaces.temperature(); }  ///< [K]
-  [[nodiscard]] double iterations() const { return iterations_ / samples_; }  ///< mean per sample
+  [[nodiscard]] double iterations() const { return iterations_ / samples_; }                      ///< mean per sample
   [[nodiscard]] std::size_t given_up() const { return given_up_; }  ///< samples in which they did not converge
 
  private:
   static constexpr int kMaxIterations = 50;
   static constexpr T kTolerance = 16 * std::numeric_limits<T>::epsilon();
+
+  using Vector = std::array<T, kMaxPoints>;
+  using Matrix = std::array<Vector, kMaxPoints>;
 
   struct Spring {
     T stiffness = 0, resistance = 0, rate = 0;
@@ -111,12 +114,17 @@ class NewtonBow {
 
   // Increments of all points per newton at each, with the springs.
   void couple() {
-    for (std::size_t p = 0; p < points_.size(); ++p)
-      for (std::size_t q = 0; q < points_.size(); ++q) {
-        admittance_[p][q] = string_.admittance(points_[p].shapes, points_[q].shapes) -
+    const std::size_t n = points_.size();
+    for (std::size_t p = 0; p < n; ++p)
+      for (std::size_t q = 0; q < n; ++q)
+        admittance_[p][q] = string_.admittance(points_[p].shapes, points_[q].shapes) +
+                            hair_.admittance(points_[p].at_hair, points_[q].at_hair) -
                             points_[p].to_bridge * points_[q].bridge_share;
-        admittance_[p][q] += hair_.admittance(points_[p].at_hair, points_[q].at_hair);
-      }
+    for (std::size_t p = 0; p < n; ++p) {
+      Vector unit = {};
+      unit[p] = 1;
+      inverse_[p] = quotient(admittance_, unit);  // symmetric
+    }
   }
 
   // Force at the bridge if no point has one.
@@ -128,8 +136,8 @@ class NewtonBow {
     return (bridge_.stiffness * stretch + bridge_.slope() * free) / bridge_divisor_;
   }
 
-  // Largest residual x - free + A f(x).
-  T residual(std::array<T, kMaxPoints>& found) {
+  // Residual x - free + A f(x), and its largest value.
+  T residual(Vector& found) {
     T largest = 0;
     for (Point& point : points_) point.follow(point.increment);
     for (std::size_t p = 0; p < points_.size(); ++p) {
@@ -140,52 +148,63 @@ class NewtonBow {
     return largest;
   }
 
-  // From the increments of the last sample. A step that does not make the residual smaller is halved.
+  // The residual is A times the gradient of a convex function: its derivative along a step.
+  [[nodiscard]] T derivative(const Vector& step, const Vector& found) const {
+    T sum = 0;
+    for (std::size_t p = 0; p < points_.size(); ++p)
+      for (std::size_t q = 0; q < points_.size(); ++q) sum += step[p] * inverse_[p][q] * found[q];
+    return sum;
+  }
+
+  // From the increments of the last sample. A step that is much too long is halved.
   void solve() {
-    std::array<T, kMaxPoints> found;
+    Vector found;
     T scale = 0;
     for (const Point& point : points_) scale = std::max({scale, std::abs(point.free), std::abs(point.increment)});
     T error = residual(found);
     samples_ += 1;
     for (int i = 0; i < kMaxIterations && error > kTolerance * scale; ++i) {
       iterations_ += 1;
-      const auto step = newton_step(found);
-      const T before = error;
+      const Vector step = newton_step(found);
+      const T before = derivative(step, found);
       T part = 1, taken = 0;
       do {
         for (std::size_t p = 0; p < points_.size(); ++p) points_[p].increment -= (part - taken) * step[p];
-        taken = part;
+        taken = part, part /= 2;
         error = residual(found);
-        part /= 2;
-      } while (error >= before && part > T(1e-3));
-      if (error >= before) break;
+      } while (derivative(step, found) < -before / 2 && part > T(1e-3));
     }
     given_up_ += error > 1000 * kTolerance * scale;
   }
 
-  // Solves (1 + A slopes) step = residual by elimination with pivots.
-  [[nodiscard]] std::array<T, kMaxPoints> newton_step(std::array<T, kMaxPoints> step) const {
+  [[nodiscard]] Vector newton_step(const Vector& found) const {
+    Matrix matrix;
+    for (std::size_t p = 0; p < points_.size(); ++p)
+      for (std::size_t q = 0; q < points_.size(); ++q)
+        matrix[p][q] = T(p == q) + admittance_[p][q] * points_[q].slope;
+    return quotient(matrix, found);
+  }
+
+  // By elimination with pivots.
+  [[nodiscard]] Vector quotient(Matrix matrix, Vector right) const {
     const std::size_t n = points_.size();
-    std::array<std::array<T, kMaxPoints>, kMaxPoints> matrix;
-    for (std::size_t p = 0; p < n; ++p)
-      for (std::size_t q = 0; q < n; ++q) matrix[p][q] = T(p == q) + admittance_[p][q] * points_[q].slope;
     for (std::size_t c = 0; c < n; ++c) {
       std::size_t pivot = c;
       for (std::size_t r = c + 1; r < n; ++r)
         if (std::abs(matrix[r][c]) > std::abs(matrix[pivot][c])) pivot = r;
       std::swap(matrix[c], matrix[pivot]);
-      std::swap(step[c], step[pivot]);
+      std::swap(right[c], right[pivot]);
       for (std::size_t r = c + 1; r < n; ++r) {
         const T factor = matrix[r][c] / matrix[c][c];
         for (std::size_t q = c; q < n; ++q) matrix[r][q] -= factor * matrix[c][q];
-        step[r] -= factor * step[c];
+        right[r] -= factor * right[c];
       }
     }
     for (std::size_t r = n; r-- > 0;) {
-      for (std::size_t q = r + 1; q < n; ++q) step[r] -= matrix[r][q] * step[q];
-      step[r] /= matrix[r][r];
+      for (std::size_t q = r + 1; q < n; ++q) right[r] -= matrix[r][q] * right[q];
+      right[r] /= matrix[r][r];
     }
-    return step;
+    return right;
   }
 
   void advance(T bridge) {
@@ -209,7 +228,7 @@ class NewtonBow {
   T rate_, bridge_divisor_ = 1;
   Spring bridge_;
   std::vector<Point> points_;
-  std::array<std::array<T, kMaxPoints>, kMaxPoints> admittance_ = {};
+  Matrix admittance_ = {}, inverse_ = {};
   double samples_ = 0, iterations_ = 0;
   std::size_t given_up_ = 0;
 };

@@ -560,17 +560,17 @@ TEST(FdHammerBaseline, IsTheSameStroke) {
 // A bowed string by Newton's method on the differences of W, and by our step: one point, four of hair, and these on a
 // string that a bridge joins to a body. The force jumps and the bow turns back.
 TEST(NewtonBow, IsTheFrictionStep) {
-  constexpr double kRate = 44100;
+  constexpr double kRateOfBow = 44100;
   for (const std::size_t points : {1, 4})
     for (const std::size_t modes : {0, 40}) {
       auto problem = bench::bowing::problem_of(bench::kViolinD, 0.1, points);
       if (modes > 0) bench::bowing::add_body(problem, bench::kViolinD, modes);
       std::vector<std::size_t> connections;
-      ContactNetwork<double> network(bench::bowing::plan_of<double>(problem, connections), kRate);
-      bench::NewtonBow<double> newton(problem, kRate);
+      ContactNetwork<double> network(bench::bowing::plan_of<double>(problem, connections), kRateOfBow);
+      bench::NewtonBow<double> newton(problem, kRateOfBow);
       double worst = 0, warmest = 0;
-      for (int n = 0; n < 22050; ++n) {
-        const double force_n = n < 8000 ? 0.4 : n < 12000 ? 1.5 : 0.2, speed = n < 16000 ? 0.1 : -0.3;
+      for (int n = 0; n < 16000; ++n) {
+        const double force_n = n < 8000 ? 0.4 : n < 9000 ? 1.5 : 0.2, speed = n < 12000 ? 0.1 : -0.3;
         for (const std::size_t connection : connections) {
           network.set_normal_force(connection, force_n / static_cast<double>(points));
           network.set_surface_speed(connection, speed);
@@ -584,7 +584,7 @@ TEST(NewtonBow, IsTheFrictionStep) {
       }
       Measured() << points << " points, body of " << modes << " modes: forces within " << worst << " N, "
                  << newton.iterations() << " iterations a sample, at most " << warmest << " K";
-      EXPECT_TRUE(within(worst, 0, 1e-8)) << points << ' ' << modes;
+      EXPECT_TRUE(within(worst, 0, 1e-7)) << points << ' ' << modes;
       EXPECT_EQ(newton.given_up(), 0U);
       EXPECT_GT(warmest, 5);
     }
