@@ -230,17 +230,20 @@ struct BowedStart {
 
 inline BowedStart bowed_start(BowedString<double>& bowed, double force_n, double acceleration_m_per_s2) {
   const double period = bowed.period();
-  const auto longest = static_cast<int>(bowed.rate());
   std::vector<double> begins;
-  for (int n = 0; n < longest; ++n) {
+  int n = 0;
+  for (; n < static_cast<int>(bowed.rate()); ++n) {
     if (bowed.tick(force_n, acceleration_m_per_s2 * n / bowed.rate())) begins.push_back(n);
     if (!begins.empty() && n > begins.front() + 30 * period) break;
   }
   if (begins.empty()) return {};
+  BowedStart start{begins.front() / bowed.rate()};
+  const auto is_regular = [&](double interval) { return std::abs(interval - period) < 0.15 * period; };
   std::size_t regular = begins.size() - 1;
-  while (regular > 0 && std::abs(begins[regular] - begins[regular - 1] - period) < 0.15 * period) --regular;
-  const double periods = (begins[regular] - begins.front()) / period;
-  return {begins.front() / bowed.rate(), std::min(periods, BowedStart::kNever)};
+  while (regular > 0 && is_regular(begins[regular] - begins[regular - 1])) --regular;
+  if (begins.size() > 20 && n - begins.back() < 1.15 * period)  // they go on
+    start.periods = std::min((begins[regular] - begins.front()) / period, BowedStart::kNever);
+  return start;
 }
 
 }  // namespace contactspline::bench
