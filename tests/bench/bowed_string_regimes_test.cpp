@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // What bench/bowing draws: regimes of a bowed string, and how it starts.
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <cstddef>
-
-#include <gtest/gtest.h>
 
 #include "bench/bowed_string.hpp"
 #include "support/compare.hpp"
