@@ -26,8 +26,19 @@ std::string range_text(std::vector<double> numbers) {
   return min == max ? fmt::format("{:.6g}", min) : fmt::format("{:.6g} to {:.6g}", min, max);
 }
 
-// A string or a membrane by its stiffness, a plate by its Airy functions and what they leave out.
+std::string string_stretch_row(const StretchingString& string) {
+  std::string row = fmt::format(", stretches with {:.6g} N", string.axial_stiffness_n);
+  const auto hz = [](const Mode& mode) { return mode.angular_frequency_rad_per_s / (2 * std::numbers::pi); };
+  if (const std::vector<Mode> modes = longitudinal_modes(string); !modes.empty())
+    row += fmt::format(" and {} longitudinal modes from {:.6g} to {:.6g} Hz", modes.size(), hz(modes.front()),
+                       hz(modes.back()));
+  return row;
+}
+
+// A string by its axial stiffness, a membrane by that of its form, a plate by its Airy functions and what they leave
+// out.
 std::string stretch_row(const InstrumentBody& body, std::size_t modes) {
+  if (body.axial_stiffness_n > 0) return string_stretch_row(body.as_stretching_string());
   if (body.airy_functions == 0)
     return body.stretches() ? fmt::format(", stretches with {:.6g} J", body.stretch_j) : "";
   const std::size_t lowest = std::min<std::size_t>(10, modes);
@@ -77,11 +88,13 @@ std::string place_row(const decltype(Resonator::body)& body, const InstrumentPla
   return positions.size() == 1 ? row : fmt::format("{}, {} points", row, positions.size());
 }
 
-std::string friction_row(const InstrumentFriction& friction) {
+std::string friction_row(const InstrumentModel& model, const InstrumentFriction& friction) {
   const auto& [cold, hot] =
       std::pair(friction.material.heat.cold_coefficient, friction.material.heat.hot_coefficient);
   const std::string falls = cold == hot ? "" : fmt::format(", {:g} where hot", hot);
-  return fmt::format(", coefficient {:g}{}, {:g} N, {:g} m/s", cold, falls, friction.normal_force_n,
+  const std::string pressed =
+      friction.pressed_by == kNoConnection ? "" : " and " + model.connections[friction.pressed_by].name;
+  return fmt::format(", coefficient {:g}{}, {:g} N{}, {:g} m/s", cold, falls, friction.normal_force_n, pressed,
                      friction.surface_speed_m_per_s);
 }
 
@@ -89,7 +102,7 @@ std::string connection_row(const InstrumentModel& model, const ConnectionGroup& 
   std::string row =
       fmt::format("{} and {}", place_name(model, group.each.first), place_name(model, group.each.second));
   if (group.gaps_m.size() > 1) row += fmt::format(", {} points", group.gaps_m.size());
-  if (group.each.kind == ConnectionKind::kFriction) return row + friction_row(group.each.friction);
+  if (group.each.kind == ConnectionKind::kFriction) return row + friction_row(model, group.each.friction);
   row += fmt::format(", gap {} m", range_text(group.gaps_m));
   if (group.each.kind == ConnectionKind::kContact)
     row += fmt::format(", {} times {}", model.tables[group.each.table].material, range_text(group.weights));

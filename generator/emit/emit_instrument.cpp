@@ -18,8 +18,9 @@
 namespace contactspline {
 namespace {
 
-constexpr std::array kKindNames = {"kContact", "kSpring", "kLink", "kFriction"};            // names of ConnectionKind
-constexpr std::array kOutputNames = {"kDisplacement", "kVelocity", "kForce", "kPressure"};  // names of OutputQuantity
+constexpr std::array kKindNames = {"kContact", "kSpring", "kLink", "kFriction"};  // names of ConnectionKind
+constexpr std::array kOutputNames = {"kDisplacement", "kVelocity", "kForce", "kPressure",
+                                     "kTension"};  // names of OutputQuantity
 
 template <typename Enum, std::size_t N>
 const char* name_in(const std::array<const char*, N>& names, Enum value) {
@@ -97,11 +98,13 @@ std::string members_of(const InstrumentModel& model) {
 
 std::string cpp_friction(const InstrumentFriction& friction) {
   const auto& [bristles, heat] = friction.material;
-  return fmt::format("{{{{{{{}, {}}}, {{{}, {}, {}, {}, {}, {}}}}}, {}, {}, {}}}", literal(bristles.stiffness_per_m),
-                     literal(bristles.damping_s_per_m), literal(heat.cold_coefficient), literal(heat.hot_coefficient),
-                     literal(heat.softening_k), literal(heat.capacity_j_per_n_k), literal(heat.conduction_w_per_n_k),
+  const std::string pressed = friction.pressed_by == kNoConnection ? "" : fmt::format(", {}", friction.pressed_by);
+  return fmt::format("{{{{{{{}, {}}}, {{{}, {}, {}, {}, {}, {}}}}}, {}, {}, {}{}}}",
+                     literal(bristles.stiffness_per_m), literal(bristles.damping_s_per_m),
+                     literal(heat.cold_coefficient), literal(heat.hot_coefficient), literal(heat.softening_k),
+                     literal(heat.capacity_j_per_n_k), literal(heat.conduction_w_per_n_k),
                      literal(heat.renewal_w_per_m_k2), literal(friction.width_m), literal(friction.normal_force_n),
-                     literal(friction.surface_speed_m_per_s));
+                     literal(friction.surface_speed_m_per_s), pressed);
 }
 
 std::string cpp_connection(const InstrumentConnection& c) {
@@ -165,12 +168,20 @@ void add_cpp_pressure(const InstrumentArrays& arrays, std::string& text, std::ve
   view[8] = "pressure_taps";
 }
 
+// What only forms of strings have.
+std::string cpp_string_form(const InstrumentForm& form) {
+  if (form.end_tension_n == 0) return "";
+  return fmt::format(", {{{}, {}}}, {}", form.linear.mode, literal(form.linear.factor_per_m),
+                     literal(form.end_tension_n));
+}
+
 // Adds the forms of bodies that stretch to the text and to the view of them.
 void add_cpp_forms(const InstrumentArrays& arrays, std::string& text, std::vector<std::string>& view) {
   if (arrays.stretch_forms.empty()) return;
   text += cpp_array("InstrumentForm", arrays.stretch_forms.size(), "stretch_forms",
                     "{\n" + rows_of(arrays.stretch_forms, "        ", [](const InstrumentForm& form, std::size_t) {
-                      return fmt::format("{{{}, {}, {}}}", form.body, literal(form.stiffness_j), form.products);
+                      return fmt::format("{{{}, {}, {}{}}}", form.body, literal(form.stiffness_j), form.products,
+                                         cpp_string_form(form));
                     }) + "}");
   text += cpp_numbers("stretch_squares", arrays.stretch_squares);
   view[10] = "stretch_forms";
@@ -298,14 +309,20 @@ TemplateValues cpp_values(const InstrumentModel& model, const InstrumentArrays& 
   return values;
 }
 
+std::string json_string_form(const InstrumentForm& form) {
+  if (form.end_tension_n == 0) return "";
+  return fmt::format(", \"linear_mode\": {}, \"linear_per_m\": {}, \"end_tension_n\": {}", form.linear.mode,
+                     literal(form.linear.factor_per_m), literal(form.end_tension_n));
+}
+
 std::string json_forms(const InstrumentArrays& arrays) {
   return fmt::format(
       ",\n  \"stretch_forms\": [\n{}\n  ],\n  \"stretch_squares_per_m2\": [\n{}\n  ],\n  \"stretch_products\": "
       "[\n{}\n  ]",
       rows_of(arrays.stretch_forms, "    ",
               [](const InstrumentForm& form, std::size_t) {
-                return fmt::format("{{\"body\": {}, \"stiffness_j\": {}, \"products\": {}}}", form.body,
-                                   literal(form.stiffness_j), form.products);
+                return fmt::format("{{\"body\": {}, \"stiffness_j\": {}, \"products\": {}{}}}", form.body,
+                                   literal(form.stiffness_j), form.products, json_string_form(form));
               }),
       literal_rows(arrays.stretch_squares, 4),
       rows_of(arrays.stretch_products, "    ", [](const StretchForm::Product& product, std::size_t) {
@@ -395,11 +412,12 @@ std::string json_friction(const InstrumentFriction& friction) {
   return fmt::format(
       ", \"stiffness_per_m\": {}, \"damping_s_per_m\": {}, \"cold_coefficient\": {}, \"hot_coefficient\": {}, "
       "\"softening_k\": {}, \"capacity_j_per_n_k\": {}, \"conduction_w_per_n_k\": {}, "
-      "\"renewal_w_per_m_k2\": {}, \"width_m\": {}, \"normal_force_n\": {}, \"surface_speed_m_per_s\": {}",
+      "\"renewal_w_per_m_k2\": {}, \"width_m\": {}, \"normal_force_n\": {}, \"surface_speed_m_per_s\": {}{}",
       literal(bristles.stiffness_per_m), literal(bristles.damping_s_per_m), literal(heat.cold_coefficient),
       literal(heat.hot_coefficient), literal(heat.softening_k), literal(heat.capacity_j_per_n_k),
       literal(heat.conduction_w_per_n_k), literal(heat.renewal_w_per_m_k2), literal(friction.width_m),
-      literal(friction.normal_force_n), literal(friction.surface_speed_m_per_s));
+      literal(friction.normal_force_n), literal(friction.surface_speed_m_per_s),
+      friction.pressed_by == kNoConnection ? "" : fmt::format(", \"pressed_by\": {}", friction.pressed_by));
 }
 
 std::string json_connection(const InstrumentConnection& c) {

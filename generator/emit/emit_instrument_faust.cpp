@@ -638,6 +638,13 @@ std::optional<std::string> faust_obstacle(const InstrumentModel& model, const In
   for (const InstrumentBody& body : model.bodies)
     if (body.airy_functions > 0)
       return fmt::format("{} has the plate {} with stretch, which only the C++ class plays", model.name, body.name);
+  for (const InstrumentBody& body : model.bodies)
+    if (body.longitudinal > 0)
+      return fmt::format("{} has the string {} with longitudinal modes, which only the C++ class plays", model.name,
+                         body.name);
+  for (const ModelOutput& output : model.outputs)
+    if (output.quantity == OutputQuantity::kTension)
+      return fmt::format("{} has the output {}, a tension, which only the C++ class plays", model.name, output.name);
   if (const InstrumentBody* body = model.stretching_body()) {
     if (!arrays.memories.empty())
       return fmt::format("{} has the body {} with stretch and a contact with memory, which only the C++ class plays",

@@ -16,6 +16,7 @@ namespace {
 constexpr int kMaxAiryFunctions = 128;
 // Each form couples a mode with all of an order or, on a rectangular plate, with a quarter of all.
 constexpr int kMaxRoundModes = 1024, kMaxRectangularModes = 400;
+constexpr int kMaxLongitudinalModes = 16;
 constexpr double kMaxAspect = 20;  // beyond it the Airy functions of free edges need too many polynomials
 constexpr Range kCoreDiameter{1e-5, 0.1}, kHeadThickness{1e-6, 0.1}, kPoisson{-0.999, 0.999};
 
@@ -83,7 +84,7 @@ class BodyReader {
     if (body.has("stretch")) read_stretch(body, read);
   }
 
-  // The stiffness of the form by which a string (Kirchhoff and Carrier) or a membrane (Berger) stretches, or the
+  // The axial stiffness of a string (Kirchhoff and Carrier), the stiffness of the form of a membrane (Berger), or the
   // number of forms of a plate (von Karman).
   static void read_stretch(const JsonObject& body, InstrumentBody& read) {
     const auto object = [&](const std::vector<std::string>& keys, const char* example) {
@@ -91,12 +92,13 @@ class BodyReader {
         body.fail(body.key("stretch"), "is not an object", fmt::format("such as {}", example));
       return body.object("stretch", keys);
     };
-    if (const auto* string = std::get_if<StiffString>(&read.resonator.body)) {
-      const JsonObject stretch = object({"youngs_modulus_pa", "core_diameter_m"},
+    if (std::holds_alternative<StiffString>(read.resonator.body)) {
+      const JsonObject stretch = object({"youngs_modulus_pa", "core_diameter_m", "longitudinal"},
                                         R"({ "youngs_modulus_pa": 2e11, "core_diameter_m": 0.0003 })");
       const double diameter = stretch.number("core_diameter_m", kCoreDiameter);
       const double section = std::numbers::pi / 4 * diameter * diameter;
-      read.stretch_j = stretch.number("youngs_modulus_pa", ranges::kModulus) * section * string->length_m / 8;
+      read.axial_stiffness_n = stretch.number("youngs_modulus_pa", ranges::kModulus) * section;
+      if (stretch.has("longitudinal")) read_longitudinal(stretch, read);
     } else if (const auto* membrane = std::get_if<Membrane>(&read.resonator.body)) {
       const JsonObject stretch =
           object({"youngs_modulus_pa", "thickness_m", "poisson_ratio"},
@@ -116,6 +118,18 @@ class BodyReader {
       body.fail(body.key("stretch"), fmt::format("is not for a body of the kind '{}'", kind_of(read)),
                 "beside a string, a membrane, a plate or a round_plate");
     }
+  }
+
+  static void read_longitudinal(const JsonObject& stretch, InstrumentBody& read) {
+    const JsonObject longitudinal =
+        stretch.object("longitudinal", {"modes", "constant_loss_per_s", "quadratic_loss_m2_per_s"});
+    read.longitudinal = static_cast<std::size_t>(longitudinal.integer("modes", 1, kMaxLongitudinalModes));
+    read.longitudinal_losses = {longitudinal.number("constant_loss_per_s", kLongitudinalLoss),
+                                longitudinal.has("quadratic_loss_m2_per_s")
+                                    ? longitudinal.number("quadratic_loss_m2_per_s", kLongitudinalQuadratic)
+                                    : 0};
+    if (longitudinal_modes(read.as_stretching_string()).empty())
+      stretch.fail(stretch.key("longitudinal"), "decays without oscillating", "smaller losses, such as 30 1/s");
   }
 
   // Throws BadInput unless it is of one material, without ribs, and not much longer than wide.

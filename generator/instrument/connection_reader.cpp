@@ -38,7 +38,7 @@ class ConnectionReader {
                        "frictions or `stretch`, one of the two");
     for (const JsonObject& friction :
          draft_.objects("frictions", {"name", "between", "material", "width_m", "coefficient", "stiffness_per_m",
-                                      "normal_force_n", "surface_speed_m_per_s"}))
+                                      "normal_force_n", "surface_speed_m_per_s", "pressed_by"}))
       read_friction(friction);
     if (connections_ > kMaxPoints)
       draft_.json.fail("contacts", fmt::format("the file has {} connections", connections_),
@@ -88,7 +88,21 @@ class ConnectionReader {
       friction.normal_force_n = json.number("normal_force_n", range_of(ControlQuantity::kNormalForce));
     if (json.has("surface_speed_m_per_s"))
       friction.surface_speed_m_per_s = json.number("surface_speed_m_per_s", range_of(ControlQuantity::kSurfaceSpeed));
+    if (json.has("pressed_by")) friction.pressed_by = contact_that_presses(json, group.gaps_m.size());
     model_.connections.push_back(std::move(group));
+  }
+
+  // A contact with as many points, or with one.
+  std::size_t contact_that_presses(const JsonObject& json, std::size_t points) const {
+    const std::string key = json.key("pressed_by"), name = json.text("pressed_by", "the name of a contact");
+    const std::size_t contact = index_of(json, key, name, model_.connections, "contact");
+    const ConnectionGroup& group = model_.connections[contact];
+    if (group.each.kind != ConnectionKind::kContact)
+      json.fail(key, fmt::format("'{}' is no contact", name), "a contact across the motion");
+    if (group.gaps_m.size() != 1 && group.gaps_m.size() != points)
+      json.fail(key, fmt::format("'{}' has {} points", name, group.gaps_m.size()),
+                fmt::format("a contact with one point or {}", points));
+    return contact;
   }
 
   static InstrumentFriction friction_of_material(const JsonObject& json) {

@@ -56,13 +56,11 @@ Resonator picked_up_at(Resonator resonator, const InstrumentPlace& place, const 
   return resonator;
 }
 
-// By what the square of a mode's displacement counts in the form of a body that stretches [1/m^2]: the mean of the
-// squared slope over the body, times 2 on a string (docs/how-it-works/stretching.md).
-double stretch_square(const decltype(Resonator::body)& body, const NumberedMode& mode) {
-  const double square = mode.wavenumber_per_m * mode.wavenumber_per_m;
-  if (const auto* membrane = std::get_if<Membrane>(&body))
-    return square * mode.mode.mass_kg / (membrane->mass_per_area_kg_m2 * area_of(*membrane));
-  return std::holds_alternative<StiffString>(body) ? square : 0;
+// By what the square of a mode's displacement counts in the form of a membrane that stretches [1/m^2]: the mean of
+// the squared slope over it (docs/how-it-works/stretching.md).
+double stretch_square(const Membrane& membrane, const NumberedMode& mode) {
+  return mode.wavenumber_per_m * mode.wavenumber_per_m * mode.mode.mass_kg /
+         (membrane.mass_per_area_kg_m2 * area_of(membrane));
 }
 
 // Modes of a plate that couple alike follow each other, as the kernels of forms like it: those of one order or, on a
@@ -75,7 +73,8 @@ void sort_for_forms(const InstrumentBody& body, std::vector<NumberedMode>& modes
   });
 }
 
-// How a body stretches: a string or a membrane by one form, a plate by one for each Airy function.
+// How a body stretches: a membrane by one form, a plate by one for each Airy function, a string by one for each
+// longitudinal mode, too.
 std::vector<StretchForm> forms_of(const InstrumentBody& body, std::span<const NumberedMode> modes) {
   if (const auto* plate = std::get_if<Plate>(&body.resonator.body); plate != nullptr && body.airy_functions > 0) {
     std::vector<PlateSine> sines;
@@ -88,9 +87,14 @@ std::vector<StretchForm> forms_of(const InstrumentBody& body, std::span<const Nu
     return stretch_forms(std::get<RoundPlate>(body.resonator.body), of_plate, body.airy_functions);
   }
   if (!body.stretches()) return {};
-  StretchForm form{body.stretch_j, {}};
-  for (const NumberedMode& mode : modes) form.squares_per_m2.push_back(stretch_square(body.resonator.body, mode));
-  return {form};
+  if (const auto* membrane = std::get_if<Membrane>(&body.resonator.body)) {
+    StretchForm form{body.stretch_j, {}};
+    for (const NumberedMode& mode : modes) form.squares_per_m2.push_back(stretch_square(*membrane, mode));
+    return {form};
+  }
+  std::vector<int> numbers;
+  for (const NumberedMode& mode : modes) numbers.push_back(mode.number);
+  return stretch_forms(body.as_stretching_string(), numbers);
 }
 
 /// Fills the arrays, part after part.
@@ -130,22 +134,34 @@ class Flattener {
     const auto* string = std::get_if<StiffString>(&body.resonator.body);
     modes_.push_back(numbered_modes_of(body.resonator, limit_hz(body.resonator)).modes);
     sort_for_forms(body, modes_.back());
-    for (const NumberedMode& mode : modes_.back()) {
-      if (model_.keys.tune())
-        arrays_.tension_squares.push_back(string == nullptr ? 0 : thirteen_digits(square_by_tension(*string, mode)));
-      if (model_.has_movers())
-        arrays_.wavenumbers.push_back(string == nullptr ? 0 : thirteen_digits(mode.wavenumber_per_m));
-      arrays_.angular_frequencies.push_back(thirteen_digits(mode.mode.angular_frequency_rad_per_s));
-      arrays_.decays.push_back(thirteen_digits(mode.mode.decay_per_s));
-      arrays_.masses.push_back(thirteen_digits(mode.mode.mass_kg));
-    }
+    for (const NumberedMode& mode : modes_.back())
+      add_mode(mode.mode, string == nullptr ? 0 : square_by_tension(*string, mode),
+               string == nullptr ? 0 : mode.wavenumber_per_m);
+    if (body.longitudinal > 0)
+      for (const Mode& mode : longitudinal_modes(body.as_stretching_string())) add_mode(mode, 0, 0);
     arrays_.body_ends.push_back(arrays_.masses.size());
-    add_forms(forms_of(body, modes_.back()));
+    add_forms(body);
   }
 
-  void add_forms(const std::vector<StretchForm>& forms) {
-    for (const auto& [stiffness, squares, products] : forms) {
-      arrays_.stretch_forms.push_back({arrays_.body_ends.size() - 1, thirteen_digits(stiffness), products.size()});
+  // Tension moves neither free masses nor longitudinal modes, and no place moves along them.
+  void add_mode(const Mode& mode, double square_by_tension, double wavenumber_per_m) {
+    if (model_.keys.tune()) arrays_.tension_squares.push_back(thirteen_digits(square_by_tension));
+    if (model_.has_movers()) arrays_.wavenumbers.push_back(thirteen_digits(wavenumber_per_m));
+    arrays_.angular_frequencies.push_back(thirteen_digits(mode.angular_frequency_rad_per_s));
+    arrays_.decays.push_back(thirteen_digits(mode.decay_per_s));
+    arrays_.masses.push_back(thirteen_digits(mode.mass_kg));
+  }
+
+  void add_forms(const InstrumentBody& body) {
+    const std::vector<StretchForm> forms = forms_of(body, modes_.back());
+    for (std::size_t k = 0; k < forms.size(); ++k) {
+      const auto& [stiffness, squares, products, linear] = forms[k];
+      arrays_.stretch_forms.push_back(
+          {arrays_.body_ends.size() - 1,
+           thirteen_digits(stiffness),
+           products.size(),
+           {linear.mode, thirteen_digits(linear.factor_per_m)},
+           body.axial_stiffness_n > 0 ? thirteen_digits(end_tension_n(body.as_stretching_string(), k)) : 0});
       std::ranges::transform(squares, std::back_inserter(arrays_.stretch_squares), thirteen_digits);
       for (const auto& [first, second, factor] : products)
         arrays_.stretch_products.push_back({first, second, thirteen_digits(factor)});
@@ -159,7 +175,13 @@ class Flattener {
       const Resonator resonator = picked_up_at(model_.bodies[place.body].resonator, place, point);
       for (const NumberedMode& mode : modes_[place.body])
         arrays_.shapes.push_back(thirteen_digits(pickup_shape(resonator, mode)));
+      end_shapes(place.body);
     }
+  }
+
+  // Nothing acts on longitudinal modes but how their string stretches.
+  void end_shapes(std::size_t body) {
+    arrays_.shapes.resize(arrays_.shapes.size() + model_.bodies[body].longitudinal, 0.0);
   }
 
   void add_table(const ContactTable& table) {
@@ -188,6 +210,8 @@ class Flattener {
       connection.second = point(group.each.second, i);
       connection.gap_m = group.gaps_m[i];
       if (!group.weights.empty()) connection.weight = group.weights[i];
+      if (std::size_t& contact = connection.friction.pressed_by; contact != kNoConnection)
+        contact = first_connection_[contact] + (model_.connections[contact].gaps_m.size() == 1 ? 0 : i);
       arrays_.connections.push_back(connection);
     }
   }
@@ -274,6 +298,8 @@ class Flattener {
     for (const std::size_t target : output.targets) {
       if (output.quantity == OutputQuantity::kForce)
         add_connections(target);
+      else if (output.quantity == OutputQuantity::kTension)
+        arrays_.targets.push_back(target);
       else
         arrays_.targets.push_back(output.is_end_force ? add_end(target) : first_place_[target]);
     }
@@ -306,6 +332,7 @@ class Flattener {
     ++arrays_.far_ends;
     for (const NumberedMode& mode : modes_[body])
       arrays_.shapes.push_back(thirteen_digits(bridge_shape(std::get<StiffString>(resonator.body), mode)));
+    end_shapes(body);
     arrays_.place_bodies.push_back(body);
     return arrays_.place_bodies.size() - 1;
   }

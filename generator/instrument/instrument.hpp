@@ -15,6 +15,7 @@
 #include "generator/resonator/plate_stretching.hpp"
 #include "generator/resonator/radiation.hpp"
 #include "generator/resonator/resonator.hpp"
+#include "generator/resonator/string_stretching.hpp"
 #include "generator/support/json_reader.hpp"
 
 namespace contactspline {
@@ -26,11 +27,18 @@ struct InstrumentBody {
   std::string name;
   Resonator resonator;
   bool is_mass;
-  double stretch_j = 0;  ///< of a string or membrane: stiffness of its form (StretchForm); 0: it does not stretch
+  double stretch_j = 0;          ///< of a membrane: stiffness of its form (StretchForm); 0: it does not stretch
+  double axial_stiffness_n = 0;  ///< of a string that stretches
+  std::size_t longitudinal = 0;  ///< of such a string: number of modes along itself
+  Losses longitudinal_losses = {};
   std::size_t airy_functions = 0;        ///< of a plate: number of its forms
   PlateEdges edges = PlateEdges::kFree;  ///< of a rectangular plate that stretches
 
-  [[nodiscard]] bool stretches() const { return stretch_j > 0 || airy_functions > 0; }
+  [[nodiscard]] bool stretches() const { return stretch_j > 0 || axial_stiffness_n > 0 || airy_functions > 0; }
+  /// Precondition: a string.
+  [[nodiscard]] StretchingString as_stretching_string() const {
+    return {std::get<StiffString>(resonator.body), axial_stiffness_n, longitudinal, longitudinal_losses};
+  }
 };
 
 /// One or more points of a body. On a table of modes it is one point, with its shapes.

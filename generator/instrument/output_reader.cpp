@@ -28,8 +28,8 @@ class OutputReader {
   void read() {
     for (const JsonObject& output :
          draft_.json.objects("outputs",
-                             {"name", "displacement_m", "velocity_m_per_s", "force_n", "end_force_n", "pressure_pa",
-                              "distance_m", "angle_rad", "around_rad", "side_m", "full_scale"},
+                             {"name", "displacement_m", "velocity_m_per_s", "force_n", "end_force_n", "end_tension_n",
+                              "pressure_pa", "distance_m", "angle_rad", "around_rad", "side_m", "full_scale"},
                              kMaxBodies))
       read_output(output);
   }
@@ -37,10 +37,12 @@ class OutputReader {
  private:
   void read_output(const JsonObject& json) {
     const std::string key = one_of_keys(
-        json, {"displacement_m", "velocity_m_per_s", "force_n", "end_force_n", "pressure_pa"}, "quantities");
+        json, {"displacement_m", "velocity_m_per_s", "force_n", "end_force_n", "end_tension_n", "pressure_pa"},
+        "quantities");
     ModelOutput output{draft_.public_name(json, key.c_str()), OutputQuantity::kDisplacement, {}};
     if (key == "velocity_m_per_s") output.quantity = OutputQuantity::kVelocity;
     if (key == "force_n") output.quantity = OutputQuantity::kForce;
+    if (key == "end_tension_n") output.quantity = OutputQuantity::kTension;
     if (key == "pressure_pa") return read_pressure(json, std::move(output));
     for (const char* other : {"distance_m", "angle_rad", "around_rad", "side_m"})
       if (json.has(other)) json.fail(json.key(other), fmt::format("stands beside {}", key), "beside pressure_pa");
@@ -79,10 +81,13 @@ class OutputReader {
   std::size_t source_of(const JsonObject& json, const std::string& key, const std::string& name) const {
     if (key == "force_n")
       return index_of(json, json.key(key), name, model_.connections, "contact, spring, link or friction");
-    if (key != "end_force_n") return place_that_stays(json, key, name);
+    if (key != "end_force_n" && key != "end_tension_n") return place_that_stays(json, key, name);
     const std::size_t body = index_of(json, json.key(key), name, model_.bodies, "body");
     if (!std::holds_alternative<StiffString>(model_.bodies[body].resonator.body))
       json.fail(json.key(key), fmt::format("'{}' is not a string", name), "a string");
+    if (key == "end_tension_n" && !model_.bodies[body].stretches())
+      json.fail(json.key(key), fmt::format("'{}' has no `stretch`, so its tension stays", name),
+                "a string with `stretch`");
     return body;
   }
 

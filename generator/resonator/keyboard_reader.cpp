@@ -39,8 +39,6 @@ constexpr Range kQuality{0.1, 10};
 constexpr Range kHorizontal{0, 1};
 constexpr Range kHorizontalCents{-100, 100};
 constexpr Range kLongitudinalFrequency{2, 100};
-constexpr Range kLongitudinalLoss{10, 1e4};  // gone before a key that is damped falls asleep
-constexpr Range kLongitudinalQuadratic{0, 1e3};
 constexpr Range kLongitudinalOutput{1e-3, 10};
 constexpr Range kPosition{0, 100};
 constexpr double kNowhere = -1;  // of a place without a number

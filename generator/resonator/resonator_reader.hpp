@@ -46,5 +46,7 @@ inline constexpr Range kModeDecay_per_s{0, 1e6};
 inline constexpr Range kModalMass_kg{1e-9, 1e4};
 inline constexpr Range kPlaceAngle_rad{-7, 7};
 inline constexpr Range kModeShape{-1e6, 1e6};
+inline constexpr Range kLongitudinalLoss{10, 1e4};  // gone before a key that is damped falls asleep
+inline constexpr Range kLongitudinalQuadratic{0, 1e3};
 
 }  // namespace contactspline

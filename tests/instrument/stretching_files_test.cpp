@@ -68,6 +68,53 @@ TEST(StretchingFile, PlaysAStringAsANetworkByHand) {
     EXPECT_TRUE(sequences_within<double>(actual[o], expected[o], 1e-9)) << arrays.outputs[o].name;
 }
 
+// The string of bass_string.json, with tension and force at its far support by the strain there: E S (u' + y'^2/2) is
+// added to the tension. Without its longitudinal modes nothing would move its third mode, which has a node where the
+// hammer is moved to; the first products of two of the others do.
+TEST(StretchingFile, PlaysAStringThatMovesAlongItself) {
+  constexpr double kLength = 1.9, kTension = 750, kBending = 0.0203062, kAxial = 2e11 * kPi / 4 * 9.6e-4 * 9.6e-4;
+  constexpr std::size_t kAlong = 6;
+  InstrumentModel model = parse_instrument(read_input(EXAMPLES_FOLDER "/bass_string.json"), "bass_string.json");
+  model.places[1].points[0].position_m = kLength / 3;
+  const InstrumentArrays arrays = arrays_of(model, kRate / 2);
+  NetworkInstrument<double> instrument(arrays.view(), kRate);
+  instrument.strike(0, 5);
+  const auto& string = instrument.network().body(0);
+  const std::size_t transverse = string.size() - kAlong;
+  std::vector<double> actual[2], expected[2];
+  double highest = 0, third = 0, fourth = 0;
+  for (int n = 0; n < 8820; ++n) {
+    instrument.tick();
+    double slope = 0, along = 0, end = 0;
+    for (std::size_t i = 0; i < string.size(); ++i) {
+      const std::size_t number = i < transverse ? i + 1 : i - transverse + 1;
+      const double by_end = (number % 2 == 0 ? 1 : -1) * static_cast<double>(number) * kPi / kLength;
+      (i < transverse ? slope : along) += by_end * string.displacement(i);
+    }
+    // The even tension and those of the longitudinal modes, all that moves.
+    double rise = 0;
+    for (std::size_t k = 0; k <= kAlong; ++k)
+      rise += arrays.stretch_forms[k].end_tension_n * instrument.network().stretch(0, k);
+    for (std::size_t i = 0; i < transverse; ++i) {
+      const double wavenumber = static_cast<double>(i + 1) * kPi / kLength;
+      end -= wavenumber * (kTension + rise + kBending * wavenumber * wavenumber) * (i % 2 == 0 ? -1 : 1) *
+             string.sound_shape(i, string.displacement(i));
+    }
+    highest = std::max(highest, std::abs(rise) / kTension);
+    third = std::max(third, std::abs(string.displacement(std::size_t{2})));
+    fourth = std::max(fourth, std::abs(string.displacement(std::size_t{3})));
+    for (std::size_t o = 0; o < 2; ++o) actual[o].push_back(instrument.output(o));
+    expected[0].push_back(end);
+    expected[1].push_back(rise);
+  }
+  Measured() << "the tension rises by " << 100 * highest << " %, the third mode moves by " << third / fourth
+             << " of the fourth";
+  EXPECT_GT(highest, 0.01);
+  EXPECT_GT(third / fourth, 1e-3);
+  for (std::size_t o = 0; o < 2; ++o)
+    EXPECT_TRUE(sequences_within<double>(actual[o], expected[o], 1e-9)) << arrays.outputs[o].name;
+}
+
 // The class that `generate` emits has the forms and the far end, too.
 TEST(StretchingFile, PlaysAsItsClass) {
   const InstrumentArrays arrays =

@@ -55,8 +55,9 @@ class RandomFile {
     if (kind == 0) {
       const double core = random_.log_between(2e-4, 1.2e-3), mass = 7800 * 0.785 * core * core * length;
       body = fmt::format(R"("string": {{ "length_m": {}, "mass_kg": {}, "tension_n": {}, "bending_stiffness_n_m2": 0,
-        {} }}, "stretch": {{ "youngs_modulus_pa": 2e11, "core_diameter_m": {} }})",
-                         length, mass, 4 * length * mass * std::pow(random_.log_between(40, 600), 2), kNoLoss, core);
+        {} }}, "stretch": {{ "youngs_modulus_pa": 2e11, "core_diameter_m": {}{} }})",
+                         length, mass, 4 * length * mass * std::pow(random_.log_between(40, 600), 2), kNoLoss, core,
+                         random_.once_in(2) ? "" : R"(, "longitudinal": { "modes": 6, "constant_loss_per_s": 10 })");
     } else if (kind == 1) {
       body = fmt::format(R"("membrane": {{ "radius_m": {}, "mass_per_area_kg_m2": {}, "tension_n_per_m": {}, {} }},
         "stretch": {{ "youngs_modulus_pa": 4e9, "thickness_m": {}, "poisson_ratio": 0.38 }})",
@@ -137,7 +138,8 @@ class Stretching {
       before.resize(now.size());
       of_terms += energy_of_terms<T>(forms_[b], now);
       for (const StretchForm& form : forms_[b]) {
-        double stretch = 0;
+        const auto& [mode, per_m] = form.linear;
+        double stretch = per_m == 0 ? 0 : per_m * (before[mode] + double(now[mode])) / 2;
         for (std::size_t i = 0; i < now.size(); ++i) stretch += form.squares_per_m2[i] * before[i] * double(now[i]);
         for (const auto& [i, j, factor] : form.products)
           stretch += factor * (before[i] * double(now[j]) + before[j] * double(now[i]));
@@ -161,7 +163,7 @@ std::vector<std::vector<StretchForm>> forms_of(const InstrumentArrays& arrays) {
   auto product = arrays.stretch_products.begin();
   for (const InstrumentForm& form : arrays.stretch_forms) {
     const std::size_t modes = arrays.body_ends[form.body] - (form.body == 0 ? 0 : arrays.body_ends[form.body - 1]);
-    StretchForm& read = forms[form.body].emplace_back(StretchForm{form.stiffness_j, {}});
+    StretchForm& read = forms[form.body].emplace_back(StretchForm{form.stiffness_j, {}, {}, form.linear});
     for (std::size_t i = 0; i < modes; ++i) read.squares_per_m2.push_back(*square++);
     for (std::size_t i = 0; i < form.products; ++i) read.products.push_back(*product++);
   }

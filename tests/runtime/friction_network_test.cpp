@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "contactspline/network/contact_network.hpp"
+#include "power_table.hpp"
 #include "random_network.hpp"
 #include "support/compare.hpp"
 #include "support/count_allocations.hpp"
@@ -107,6 +108,34 @@ TYPED_TEST(NetworkFriction, OfAMassOnABeltIsTheFrictionStep) {
   EXPECT_TRUE(sequences_within<double>(found, expected, 1000 * std::numeric_limits<T>::epsilon()));
 }
 
+// A ball bounces on a plate, across the motion of a mass on a belt that its contact presses: the mass gets 0.4 times
+// the momentum of that contact, whose force presses in the sample after it. At first bristles yield after 2e-5 of
+// one.
+TYPED_TEST(NetworkFriction, IsPressedByAContact) {
+  using T = TypeParam;
+  constexpr double kRate = 44100, kMass = 1;
+  const auto table = power_table<T>(1e6, 1.5, 1e-3);
+  NetworkPlan<T> plan;
+  const std::size_t ball = plan.add_mass(0.01), mass = plan.add_mass(kMass);
+  const std::size_t contact = plan.add_contact(plan.add_mass_place(ball), kGround, SegmentTable<T>(table), T(1e-4));
+  const std::size_t sliding = plan.add_mass_place(mass);
+  const std::size_t belt = plan.add_friction(kGround, sliding, coulomb_friction(0.4, {1e9}), 1, contact);
+  ContactNetwork<T> network(plan, kRate);
+  network.set_surface_speed(belt, T(1));
+  network.set_motion(ball, T(0), T(2));
+  double impulse = 0, last = 0, balance = network.energy();
+  for (int n = 0; n < 400; ++n) {
+    network.tick();
+    ASSERT_TRUE(relatively_within(double(network.force(belt)), 0.4 * last, 2e-5)) << n;
+    last = double(network.force(contact));
+    impulse += last / kRate;
+    balance += network.work() - network.dissipated();
+  }
+  EXPECT_TRUE(relatively_within(impulse, 0.04, 1e-3)) << "the ball turns round";
+  EXPECT_TRUE(relatively_within(double(network.velocity(sliding)), 0.4 * impulse / kMass, 1e-3));
+  EXPECT_TRUE(relatively_within(network.energy(), balance, 1e4 * std::numeric_limits<T>::epsilon()));
+}
+
 // A random network with up to four points of friction, which are pressed and drawn at random.
 struct RandomFriction : RandomNetwork {
   explicit RandomFriction(unsigned seed) : RandomNetwork(seed) {
@@ -116,8 +145,17 @@ struct RandomFriction : RandomNetwork {
       FrictionMaterial material = kRosin;
       if (random.once_in(2))
         material = coulomb_friction(random.between(0, 2), {random.log_between(1e4, 1e7), random.log_between(1, 1e3)});
-      points.push_back(plan.add_friction(first == second ? kGround : first, second, material, 0.01));
+      points.push_back(
+          plan.add_friction(first == second ? kGround : first, second, material, 0.01, pressing(first + 2 * second)));
     }
+  }
+
+  // Some are pressed by a contact, too.
+  [[nodiscard]] std::size_t pressing(std::size_t number) const {
+    std::vector<std::size_t> contacts;
+    for (std::size_t k = 0; k < plan.connections().size(); ++k)
+      if (!plan.connections()[k].table.empty()) contacts.push_back(k);
+    return contacts.empty() || number % 2 == 0 ? kNoConnection : contacts[number % contacts.size()];
   }
 
   void jump(ContactNetwork<double>& network) {

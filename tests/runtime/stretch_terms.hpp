@@ -17,7 +17,7 @@ double energy_of_terms(std::span<const StretchForm> forms, std::span<const T> di
   double energy = 0;
   const auto q = [&](std::size_t i) { return std::abs(double(displacements[i])); };
   for (const StretchForm& form : forms) {
-    double sum = 0;
+    double sum = form.linear.factor_per_m == 0 ? 0 : std::abs(form.linear.factor_per_m) * q(form.linear.mode);
     for (std::size_t i = 0; i < displacements.size(); ++i) sum += std::abs(form.squares_per_m2[i]) * q(i) * q(i);
     for (const auto& [i, j, factor] : form.products) sum += 2 * std::abs(factor) * q(i) * q(j);
     energy += form.stiffness_j / 4 * sum * sum;

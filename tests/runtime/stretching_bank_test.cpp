@@ -382,9 +382,10 @@ TEST(StretchingBank, KeepsItsEnergyAtAStop) {
   EXPECT_GT(string.max_force(), 1);
 }
 
-TEST(StretchingBank, ConvergesAtAStop) {
-  const auto sound_at = [](int factor) {
-    StringAtStop<double> string(44100 * factor);
+// Errors over 20 ms beside 64 times 44.1 kHz, at 1, 2 and 4 times that rate.
+std::vector<double> errors_at_stop(double exponent) {
+  const auto sound_at = [exponent](int factor) {
+    StringAtStop<double> string(44100 * factor, exponent);
     std::vector<double> sound;
     for (int n = 0; n < 882 * factor; ++n) {
       string.tick();
@@ -396,10 +397,16 @@ TEST(StretchingBank, ConvergesAtAStop) {
   std::vector<double> errors;
   for (const int factor : {1, 2, 4}) {
     errors.push_back(relative_error(sound_at(factor), exact));
-    Measured() << "error at " << factor << " times 44.1 kHz: " << errors.back();
+    Measured() << "exponent " << exponent << ", error at " << factor << " times 44.1 kHz: " << errors.back();
   }
-  EXPECT_LT(errors[1], 0.01);
   for (std::size_t i = 1; i < errors.size(); ++i) EXPECT_LT(errors[i], errors[i - 1] / 3);
+  return errors;
+}
+
+// Soft stops are met by many samples, hard ones by few.
+TEST(StretchingBank, ConvergesAtAStop) {
+  EXPECT_LT(errors_at_stop(2.5)[0], 0.01);
+  EXPECT_LT(errors_at_stop(1.5)[1], 0.01);
 }
 
 }  // namespace

@@ -15,15 +15,16 @@
 namespace contactspline::testing {
 
 // A steel string of 0.65 m and 0.3 mm at 110 Hz, plucked 4 mm, which raises its tension by a tenth, with a stiff stop
-// 2.5 mm on the other side. The contact acts from every sample to the one after the next.
+// 2.5 mm on the other side, of 1e7 N/m^exponent. The contact acts from every sample to the one after the next.
 template <typename T>
 class StringAtStop {
  public:
   static constexpr std::size_t kModes = 40;
   static constexpr double kLength_m = 0.65, kGap_m = 2.5e-3;
 
-  explicit StringAtStop(double rate)
-      : bank_(modes(), std::vector{form()}, rate),
+  explicit StringAtStop(double rate, double exponent = 1.5)
+      : table_(table(exponent)),
+        bank_(modes(), std::vector{form()}, rate),
         at_(std::span<const double>(stop_shapes())),
         pickup_(std::span<const double>(pickup_shapes())) {
     for (std::size_t i = 0; i < kModes; ++i) bank_.set_motion(i, static_cast<T>(plucked(i)), 0);
@@ -53,7 +54,7 @@ class StringAtStop {
     return shapes;
   }
   static std::vector<double> pickup_shapes() { return shapes_at(0.17); }
-  static std::vector<Segment<T>> table() { return power_table<T>(1e7, 1.5, 1e-3); }
+  static std::vector<Segment<T>> table(double exponent = 1.5) { return power_table<T>(1e7, exponent, 1e-3); }
   /// Displacement of a mode of the triangle from which the string is released [m].
   static double plucked(std::size_t mode) {
     const double at = 0.3, n_pi = std::numbers::pi * double(mode + 1);
@@ -89,7 +90,7 @@ class StringAtStop {
     return {compression, segment_index(SegmentTable<T>(table_), compression)};
   }
 
-  std::vector<Segment<T>> table_ = table();
+  std::vector<Segment<T>> table_;
   StretchingBank<T> bank_;
   ModeShapes<T> at_, pickup_;
   std::array<End, 2> ends_{};  // of the last sample but one, and of the last one, at first

@@ -29,6 +29,7 @@ struct Stretched {
     kFormStiffness,
     kSquares,
     kFactor,
+    kLinear,
     kDisplacement,
     kVelocity,
     kShape,
@@ -81,6 +82,12 @@ struct Stretched {
       displacements.push_back(random.between(-3e-3, 3e-3) / n), velocities.push_back(random.between(-2, 2) / n);
       if (i > 0) forms[1].products.push_back({i - 1, i, double(part(kFactor, square * random.between(-2, 2)))});
     }
+    // The last mode stretches the body by itself, and is stiffer than the spring that the form is of it. A copy
+    // leaves the scene as it is without.
+    if (Random of_linear = random; of_linear.once_in(2) || of_linear.once_in(2)) {
+      const double stiffness = mass_kg * std::pow(2 * std::numbers::pi * 80, 2) * of_linear.between(1, 3);
+      forms[1].linear = {kModes - 1, double(part(kLinear, std::sqrt(2 * stiffness / forms[1].stiffness_j)))};
+    }
     if (random.once_in(2)) forms.resize(1);
     head = plan.add_body(modes, forms);
   }
@@ -131,7 +138,10 @@ struct Stretched {
     }
     all[kFormStiffness].forms[head][0].stiffness_j = forms[0].stiffness_j;
     all[kSquares].forms[head][0].squares_per_m2 = forms[0].squares_per_m2;
-    if (forms.size() > 1) all[kFactor].forms[head][1].products = forms[1].products;
+    if (forms.size() > 1) {
+      all[kFactor].forms[head][1].products = forms[1].products;
+      all[kLinear].forms[head][1].linear = forms[1].linear;
+    }
     all[kShape].places[struck] = plan.places()[struck].shapes;
     if (!plan.connections().empty()) connect(all);
     return all;

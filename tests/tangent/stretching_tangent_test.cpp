@@ -19,7 +19,8 @@ namespace {
 
 // The samples follow some numbers weakly.
 Real width_of(int number) {
-  constexpr std::array kWeak = {Scene64::kDecay, Scene64::kFactor, Scene64::kSpring, Scene64::kResistance};
+  constexpr std::array kWeak = {Scene64::kDecay, Scene64::kFactor, Scene64::kLinear, Scene64::kSpring,
+                                Scene64::kResistance};
   return std::ranges::count(kWeak, number) > 0 ? 1e-6L : 1e-8L;
 }
 
@@ -55,7 +56,7 @@ void compare_with_differences(Case played, const std::vector<int>& numbers) {
 }
 
 const std::vector<int> kOfHead{Scene64::kTension, Scene64::kDecay,  Scene64::kModeMass, Scene64::kFormStiffness,
-                               Scene64::kSquares, Scene64::kFactor, Scene64::kShape};
+                               Scene64::kSquares, Scene64::kFactor, Scene64::kLinear,   Scene64::kShape};
 
 std::vector<int> with_those_of_head(std::initializer_list<int> numbers) {
   std::vector<int> all = kOfHead;

@@ -24,13 +24,17 @@ namespace contactspline {
 /// Stands for a place that does not move.
 inline constexpr std::size_t kGround = (std::numeric_limits<std::size_t>::max)();
 
+/// Stands for no connection.
+inline constexpr std::size_t kNoConnection = (std::numeric_limits<std::size_t>::max)();
+
 enum class ConnectionKind { kContact, kSpring, kLink, kFriction };
 
-/// What rubs, how wide it is across the motion, what presses it, and how fast the surface of the first place moves by
-/// itself.
+/// What rubs, how wide it is across the motion, what presses it, how fast the surface of the first place moves by
+/// itself, and the contact whose force presses it, too.
 struct InstrumentFriction {
   FrictionMaterial material = {};
   double width_m = 1, normal_force_n = 0, surface_speed_m_per_s = 0;
+  std::size_t pressed_by = kNoConnection;
 };
 
 /// A connection between two places, kGround for one that does not move.
@@ -111,11 +115,12 @@ struct InstrumentControl {
   std::size_t first_target, count;
 };
 
-enum class OutputQuantity { kDisplacement, kVelocity, kForce, kPressure };
+enum class OutputQuantity { kDisplacement, kVelocity, kForce, kPressure, kTension };
 
 /// The sum of displacements or velocities of places, or of forces of connections, over such targets. A pressure has
 /// two targets, the velocity of one place and the displacement of another, whose shapes are weights in Pa s/m and
-/// Pa/m; to their sum its paths add what forces do at once.
+/// Pa/m; to their sum its paths add what forces do at once. A tension is what that of strings that stretch, as
+/// bodies, has risen by at their far ends.
 struct InstrumentOutput {
   OutputQuantity quantity;
   std::size_t first_target, count;
@@ -170,11 +175,14 @@ struct KeyedData {
   std::size_t sustain = kNoParameter, bend = kNoParameter;
 };
 
-/// A form by which a body stretches (StretchForm), with how many products of two modes it has.
+/// A form by which a body stretches (StretchForm), with how many products of two modes it has. end_tension_n: what it
+/// adds to the tension at the far end of a string, times s.
 struct InstrumentForm {
   std::size_t body;
   double stiffness_j;
   std::size_t products;
+  StretchForm::Linear linear = {};
+  double end_tension_n = 0;
 };
 
 /// What an instrument is made of, as views of arrays that must outlive the instrument. body_ends[b]: number of modes
@@ -239,7 +247,8 @@ struct InstrumentData {
     for (const InstrumentForm& form : stretch_forms) {
       const double* const squares_end = square + modes_of(form.body);
       const StretchForm::Product* const products_end = product + form.products;
-      if (form.body == body) forms.push_back({form.stiffness_j, {square, squares_end}, {product, products_end}});
+      if (form.body == body)
+        forms.push_back({form.stiffness_j, {square, squares_end}, {product, products_end}, form.linear});
       square = squares_end, product = products_end;
     }
     return forms;

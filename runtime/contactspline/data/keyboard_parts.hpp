@@ -56,6 +56,23 @@ struct LongitudinalMotion {
   return frequency_ratio * frequency_ratio * tension_n;
 }
 
+/// The longitudinal modes k = 1, 2, ... of a string between rigid ends, of a wave speed sqrt(EA/mu), below a limit
+/// and at most `max_modes`; without the first that does not oscillate and those above it. Their unit of displacement
+/// is a newton of force on the bridge.
+[[nodiscard]] inline std::vector<Mode> longitudinal_modes(const StiffString& string, const LongitudinalMotion& motion,
+                                                          double max_frequency_hz, std::size_t max_modes) {
+  std::vector<Mode> modes;
+  const double speed = std::sqrt(motion.axial_stiffness_n * string.length_m / string.mass_kg);
+  while (modes.size() < max_modes) {
+    const double beta = static_cast<double>(modes.size() + 1) * std::numbers::pi / string.length_m;
+    if (!(speed * beta < 2 * std::numbers::pi * max_frequency_hz)) break;
+    const auto mode = UndampedMode{speed * beta, beta, 1}.with(motion.losses);
+    if (!mode) break;
+    modes.push_back(*mode);
+  }
+  return modes;
+}
+
 /// The sound pressure of a body at a place in the room [Pa]: what its modal velocities and displacements weigh, and
 /// filters of the forces at the places of its bridge [Pa/N], place after place, equally long.
 struct EarPressure {

@@ -81,11 +81,12 @@ struct InstrumentParts {
     return {ratios[k], static_cast<T>(connections[k].loss_s_per_m)};
   }
 
-  /// Does the surface of one of these frictions move by itself, pressed?
+  /// Does the surface of one of these frictions move by itself, pressed or where a contact may press it?
   [[nodiscard]] bool is_rubbed(const std::vector<std::size_t>& frictions) const {
     return std::ranges::any_of(frictions, [&](std::size_t k) {
       const InstrumentFriction& friction = connections[k].friction;
-      return friction.normal_force_n != 0 && friction.surface_speed_m_per_s != 0;
+      return (friction.normal_force_n != 0 || friction.pressed_by != kNoConnection) &&
+             friction.surface_speed_m_per_s != 0;
     });
   }
 
@@ -118,7 +119,7 @@ struct InstrumentParts {
       else if (c.kind == ConnectionKind::kLink)
         plan.add_rigid_link(c.first, c.second, gaps_m[k]);
       else
-        plan.add_friction(c.first, c.second, c.friction.material, c.friction.width_m);
+        plan.add_friction(c.first, c.second, c.friction.material, c.friction.width_m, c.friction.pressed_by);
     }
     return plan;
   }

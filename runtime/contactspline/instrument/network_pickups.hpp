@@ -4,6 +4,7 @@
 
 #include "contactspline/step/cpp20.hpp"
 
+#include <algorithm>
 #include <concepts>
 #include <cstddef>
 #include <span>
@@ -32,8 +33,13 @@ class NetworkPickups {
       pickups_[target].displacement = ModeShapes<T>(modes);
       if (quantity == OutputQuantity::kVelocity)
         pickups_[target].velocity = {ModeShapes<T>(modes), ModeShapes<T>(modes)};
-      if (is_far_end(data, place)) pickups_[target].pull = pull_at(data, network, place);
+      if (!is_far_end(data, place)) return;
+      pickups_[target].tension = Tension(data, data.place_bodies[place]);
+      if (!pickups_[target].tension.empty()) pickups_[target].per_tension = shapes_per_tension(data, network, place);
     });
+    for (const InstrumentOutput& source : data.sources)
+      for (std::size_t i = 0; source.quantity == OutputQuantity::kTension && i < source.count; ++i)
+        pickups_[source.first_target + i].tension = Tension(data, data.targets[source.first_target + i]);
     pressure_.prepare(data, sample_rate_hz);
   }
   void reset() { pressure_.reset(); }
@@ -72,24 +78,41 @@ class NetworkPickups {
       const std::size_t k = data.targets[i];
       if (source.quantity == OutputQuantity::kForce)
         sum += network.force(k);
+      else if (source.quantity == OutputQuantity::kTension)
+        sum += pickups_[i].tension.rise(network, k);
       else if (const ModalBank<T>& body = network.body(data.place_bodies[k]);
                source.quantity == OutputQuantity::kVelocity)
         sum += body.velocity(pickups_[i].velocity);
       else
-        sum += body.displacement(pickups_[i].displacement) + stretched_by(body, pickups_[i].pull);
+        sum += body.displacement(pickups_[i].displacement) + risen(network, data.place_bodies[k], pickups_[i]);
     }
     return sum;
   }
 
  private:
-  // Of a body that stretches.
-  struct Pull {
-    std::vector<T> squares, shapes;
+  // By how much the tension at the far end of a string has risen.
+  class Tension {
+   public:
+    Tension() = default;
+    Tension(const InstrumentData& data, std::size_t body) {
+      for (const InstrumentForm& form : data.stretch_forms)
+        if (form.body == body) of_forms_n_.push_back(form.end_tension_n);
+    }
+    [[nodiscard]] bool empty() const { return of_forms_n_.empty(); }
+    [[nodiscard]] T rise(const ContactNetwork<T>& network, std::size_t body) const {
+      double sum_n = 0;
+      for (std::size_t k = 0; k < of_forms_n_.size(); ++k) sum_n += of_forms_n_[k] * network.stretch(body, k);
+      return static_cast<T>(sum_n);
+    }
+
+   private:
+    std::vector<double> of_forms_n_;
   };
   struct Pickup {
     ModeShapes<T> displacement;
     typename ModalBank<T>::VelocityShapes velocity;  // of velocities and pressures only
-    Pull pull;                                       // of far ends only
+    ModeShapes<T> per_tension;                       // of far ends only: force by displacement and tension [1/m]
+    Tension tension;                                 // of far ends and tensions only
   };
 
   // There a displacement is a force, which rises with the tension.
@@ -97,40 +120,38 @@ class NetworkPickups {
     return place >= data.place_bodies.size() - data.keyed.far_ends;
   }
 
-  // A form of stiffness c with the squares a_i adds c a_i s to the stiffness of mode i, and to the force as much.
-  [[nodiscard]] static Pull pull_at(const InstrumentData& data, const ContactNetwork<T>& network, std::size_t place) {
+  // What the tension that has risen adds to the force at a far end.
+  [[nodiscard]] static T risen(const ContactNetwork<T>& network, std::size_t body, const Pickup& pickup) {
+    if (pickup.tension.empty()) return 0;
+    return pickup.tension.rise(network, body) * network.body(body).displacement(pickup.per_tension);
+  }
+
+  // Where the tension rises evenly, by the one form of stiffness c and squares a_i, the stiffness of mode i rises by
+  // c a_i s, and the force at the far end as much.
+  [[nodiscard]] static ModeShapes<T> shapes_per_tension(const InstrumentData& data, const ContactNetwork<T>& network,
+                                                        std::size_t place) {
     const std::size_t body = data.place_bodies[place];
-    Pull pull;
-    for (const StretchForm& form : data.forms_of(body)) {
-      const auto shapes = data.shapes_of(place);
-      const auto frequencies = data.part_of(data.angular_frequencies, body);
-      const auto decays = data.part_of(data.decays, body), masses = data.part_of(data.masses, body);
-      for (std::size_t i = 0; i < shapes.size(); ++i) {
-        const double square = form.squares_per_m2[i];
-        const double ratio = form.stiffness_j * square / stiffness_of({frequencies[i], decays[i], masses[i]});
-        pull.squares.push_back(static_cast<T>(square));
-        pull.shapes.push_back(network.body(body).sound_shape(i, static_cast<T>(ratio * shapes[i])));
-      }
+    const auto shapes = data.shapes_of(place);
+    ModeShapes<T> per_tension(shapes.size());
+    const auto even = std::ranges::find(data.stretch_forms, body, &InstrumentForm::body);
+    const std::vector<double> squares = data.forms_of(body).front().squares_per_m2;
+    const auto frequencies = data.part_of(data.angular_frequencies, body);
+    const auto decays = data.part_of(data.decays, body), masses = data.part_of(data.masses, body);
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      const double ratio = even->stiffness_j * squares[i] / stiffness_of({frequencies[i], decays[i], masses[i]});
+      per_tension[i] = network.body(body).sound_shape(i, static_cast<T>(ratio * shapes[i] / even->end_tension_n));
     }
-    return pull;
+    return per_tension;
   }
 
-  // What the tension that rises adds to the force at a far end.
-  [[nodiscard]] static T stretched_by(const ModalBank<T>& body, const Pull& pull) {
-    T stretch = 0, slope = 0;
-    for (std::size_t i = 0; i < pull.shapes.size(); ++i) {
-      const T q = body.displacement(i);
-      stretch += pull.squares[i] * q * q;
-      slope += pull.shapes[i] * q;
-    }
-    return stretch * slope;
+  [[nodiscard]] static bool is_of_places(OutputQuantity quantity) {
+    return quantity != OutputQuantity::kForce && quantity != OutputQuantity::kTension;
   }
-
   // use(quantity, target): for each target of an output that is a place. The first of a pressure is a velocity.
   template <typename Use>
   static void for_each_place(const InstrumentData& data, Use use) {
     for (const InstrumentOutput& source : data.sources)
-      for (std::size_t i = 0; source.quantity != OutputQuantity::kForce && i < source.count; ++i)
+      for (std::size_t i = 0; is_of_places(source.quantity) && i < source.count; ++i)
         use(source.quantity == OutputQuantity::kPressure && i == 0 ? OutputQuantity::kVelocity : source.quantity,
             source.first_target + i);
   }

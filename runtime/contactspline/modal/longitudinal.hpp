@@ -21,23 +21,6 @@
 
 namespace contactspline {
 
-/// The longitudinal modes k = 1, 2, ... of a string between rigid ends, of a wave speed sqrt(EA/mu), below a limit
-/// and at most `max_modes`; without the first that does not oscillate and those above it. Their unit of displacement
-/// is a newton of force on the bridge.
-[[nodiscard]] inline std::vector<Mode> longitudinal_modes(const StiffString& string, const LongitudinalMotion& motion,
-                                                          double max_frequency_hz, std::size_t max_modes) {
-  std::vector<Mode> modes;
-  const double speed = std::sqrt(motion.axial_stiffness_n * string.length_m / string.mass_kg);
-  while (modes.size() < max_modes) {
-    const double beta = static_cast<double>(modes.size() + 1) * std::numbers::pi / string.length_m;
-    if (!(speed * beta < 2 * std::numbers::pi * max_frequency_hz)) break;
-    const auto mode = UndampedMode{speed * beta, beta, 1}.with(motion.losses);
-    if (!mode) break;
-    modes.push_back(*mode);
-  }
-  return modes;
-}
-
 namespace detail {
 
 /// The square of the slope of strings, as a sum D_k cos(k pi x/L). A string's slope is the sum of a_n cos(n pi x/L)

@@ -206,20 +206,32 @@ class ModalBank {
     }
   }
 
-  /// Changes frequencies and decays between two samples, as a change of tension does. Masses, shapes and the number
-  /// of modes stay. Each mode keeps its displacement and velocity, so energy() changes by the work of what changes
-  /// the stiffness, m (w^2 + decay^2) q^2/2. Modes at half the sample rate and above come to rest. A change by more
-  /// than a few cents at once can be noticed. Does nothing if a number is not finite. Does not allocate.
+  /// A mode that somebody else holds back by a spring [N/m] that pulls over two samples, at (q+ + 2 q + q-)/4, as a
+  /// form does by which a body stretches (StretchForm): together they have the poles and the compliance of the mode.
+  /// The spring is that of the mode, or weaker. Precondition: can_give_away_spring.
+  void give_away_spring(std::size_t mode, double spring_n_per_m) {
+    detail::ModeConstants constants = constants_[mode];
+    const double gain = 1 / (1 - constants.admittance * spring_n_per_m / 2);
+    constants.stiffness = (std::max)(gain * (constants.stiffness - 2 * constants.admittance * spring_n_per_m), 0.0);
+    for (double* constant : {&constants.loss, &constants.admittance, &constants.one_plus_z_square}) *constant *= gain;
+    take(mode, constants);
+  }
+
+  /// Changes frequencies and decays of the first modes between two samples, as a change of tension does. Masses,
+  /// shapes and the number of modes stay. Each mode keeps its displacement and velocity, so energy() changes by the
+  /// work of what changes the stiffness, m (w^2 + decay^2) q^2/2. Modes at half the sample rate and above come to
+  /// rest. A change by more than a few cents at once can be noticed. Does nothing if a number is not finite. Does not
+  /// allocate.
   void retune(std::span<const Mode, Modes> modes) {
     for (const auto& [w, decay, mass] : modes)
       if (const double values[] = {w, decay, mass}; !all_finite(std::span<const double>(values))) return;
     if constexpr (Modes == std::dynamic_extent)
       if (moves()) {
-        for (std::size_t begin = 0; begin < size(); begin += detail::RetunedModes::kMax)
-          retune_some(begin, (std::min)(size() - begin, detail::RetunedModes::kMax), modes.data() + begin);
+        for (std::size_t begin = 0; begin < modes.size(); begin += detail::RetunedModes::kMax)
+          retune_some(begin, (std::min)(modes.size() - begin, detail::RetunedModes::kMax), modes.data() + begin);
         return;
       }
-    for (std::size_t i = 0; i < size(); ++i) retune_alone(i, modes[i]);
+    for (std::size_t i = 0; i < modes.size(); ++i) retune_alone(i, modes[i]);
   }
 
   /// Ends the sample: updates displacements and free increments.
@@ -405,11 +417,14 @@ class ModalBank {
   constexpr void set(std::size_t i, const Mode& mode) {
     take(i, mode, detail::mode_constants(mode, sample_rate_hz_));
   }
-  constexpr void take(std::size_t i, const Mode& mode, const detail::ModeConstants& computed) {
-    detail::ModeConstants& constants = constants_[i] = computed;
+  constexpr void take(std::size_t i, const Mode& mode, detail::ModeConstants constants) {
     // A mode above half the sample rate would sound at a wrong pitch. As in contactspline_modal.lib, no force drives
     // it.
     if (!(mode.angular_frequency_rad_per_s < std::numbers::pi * sample_rate_hz_)) constants.admittance = 0;
+    take(i, constants);
+  }
+  constexpr void take(std::size_t i, const detail::ModeConstants& constants) {
+    constants_[i] = constants;
     stiffness_[i] = static_cast<T>(constants.stiffness);
     stiffness_rest_[i] = static_cast<T>(constants.stiffness - static_cast<double>(stiffness_[i]));
     loss_[i] = static_cast<T>(constants.loss);

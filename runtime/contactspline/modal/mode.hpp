@@ -98,6 +98,12 @@ struct ModeConstants {
   double decay_per_s;
 };
 
+/// May a form have the spring of a mode of this stiffness and admittance (StretchForm)? Up to 0.45 times the sample
+/// rate: 4 sin^2(0.45 pi).
+[[nodiscard]] constexpr bool can_give_away_spring(double stiffness, double admittance) {
+  return admittance > 0 && stiffness < 3.9;
+}
+
 // A template: compilers that cannot compute std::exp at compile time refuse it as a plain constexpr function.
 template <std::same_as<double> Rate>
 constexpr ModeConstants mode_constants(const Mode& mode, Rate sample_rate_hz) {

@@ -23,17 +23,23 @@ template <std::floating_point T>
 class StretchingForm {
  public:
   StretchingForm(const StretchForm& form, std::size_t modes)
-      : stiffness_(form.stiffness_j), squares_(modes), gradient_(modes), motion_(modes) {
+      : stiffness_(form.stiffness_j),
+        linear_mode_(form.linear.mode),
+        half_linear_(static_cast<T>(form.linear.factor_per_m / 2)),
+        squares_(modes),
+        gradient_(modes),
+        motion_(modes) {
     for (std::size_t i = 0; i < form.squares_per_m2.size(); ++i) squares_[i] = static_cast<T>(form.squares_per_m2[i]);
-    if (!form.products.empty()) matrix_ = FormMatrix<T>(form, modes);
+    if (!form.products.empty() || half_linear_ != 0) matrix_ = FormMatrix<T>(form, modes);
   }
 
-  /// Computes the gradient g = A q [1/m] and motion().
+  /// Computes the gradient g = A q, with half of what is linear at its mode [1/m], and motion().
   void take(const ModalArrays<T>& modes) {
     if (!has_products())
       return multiply_squares(modes.modes, squares_.data(), modes.displacement, modes.admittance, gradient_.data(),
                               motion_.data());
     kernels<T>.multiply_form(matrix_.blocks(), modes.displacement, gradient_.data());
+    gradient_[linear_mode_] += half_linear_;
     multiply(modes.modes, gradient_.data(), modes.admittance, motion_.data());
   }
 
@@ -49,14 +55,21 @@ class StretchingForm {
     return {squares_.data(), gradient_.data(), motion_.data(), moved_by};
   }
 
-  /// q'A p, in double precision.
+  /// What of the stretch stands in no product with the gradient. The body may have no modes at all.
+  [[nodiscard]] T stretch_beside_gradient(const T* q) const {
+    return half_linear_ == 0 ? 0 : half_linear_ * q[linear_mode_];
+  }
+  /// The form acts no longer.
+  void stop() { stiffness_ = 0; }
+
+  /// q'A p and half of what is linear in each, in double precision.
   [[nodiscard]] double stretch_of(auto q, auto p) const {
     double sum = 0;
     if (has_products())
       matrix_.for_each([&](std::size_t i, std::size_t j, T factor) { sum += double(factor) * q(i) * p(j); });
     else
       for (std::size_t i = 0; i < squares_.size(); ++i) sum += double(squares_[i]) * q(i) * p(i);
-    return sum;
+    return half_linear_ == 0 ? sum : sum + double(half_linear_) * (q(linear_mode_) + p(linear_mode_));
   }
 
  private:
@@ -66,8 +79,10 @@ class StretchingForm {
   }
 
   double stiffness_;
+  std::size_t linear_mode_;
+  T half_linear_;
   ModalArray<T> squares_, gradient_, motion_;
-  FormMatrix<T> matrix_;  // with the squares; of a form with products only
+  FormMatrix<T> matrix_;  // with the squares; of a form with products or what is linear
 };
 
 /// The forms of a body. Over the two samples from q- by q to q+, form k of stiffness c_k acts by
@@ -80,7 +95,9 @@ class StretchingForm {
 ///
 ///     f_k/c_k + gain sum over l of g_k' admittance g_l f_l = g_k'(q+ + q-)/2 without the forms
 ///
-/// The roots of the stiffnesses make of its matrix I + a positive semidefinite one. No allocation after construction.
+/// The roots of the stiffnesses make of its matrix I + a positive semidefinite one. Where a mode u stretches the body
+/// by b u, g_k has b/2 there, and q'A_k p is with b/2 times the sum of both displacements. No allocation after
+/// construction.
 template <std::floating_point T>
 class StretchForms {
  public:
@@ -98,6 +115,11 @@ class StretchForms {
 
   [[nodiscard]] std::size_t size() const { return forms_.size(); }
   [[nodiscard]] const StretchingForm<T>& operator[](std::size_t k) const { return forms_[k]; }
+  /// Form k acts no longer.
+  void stop(std::size_t k) {
+    forms_[k].stop();
+    root_[k] = 0;
+  }
 
   /// Takes the displacements q of the modes, their changes d over the next sample if no force acts, and their changes
   /// c over the last sample. What the equations need are products with the gradients.
@@ -109,6 +131,7 @@ class StretchForms {
       const auto sum =
           kernels<T>.are_vectorised() ? kernels<T>.sum_free_increments : portable::sum_free_increments<T>;
       sum(modes.modes, forms_[k].gradient().data(), std::span(factors_).first(kOwn + k + 1), sums_.of(k));
+      sums_.of(k)[0] += forms_[k].stretch_beside_gradient(modes.displacement);
     }
   }
 
@@ -134,7 +157,7 @@ class StretchForms {
   /// The force of form k there.
   [[nodiscard]] double pull(std::size_t k) const { return forms_[k].stiffness() * stretch(k); }
 
-  [[nodiscard]] double stretch(std::size_t k) const { return sums_(k, 0); }                    ///< g_k'q = q'A_k q
+  [[nodiscard]] double stretch(std::size_t k) const { return sums_(k, 0); }                    ///< q'A_k q
   [[nodiscard]] double stretch_by_free_increment(std::size_t k) const { return sums_(k, 1); }  ///< g_k'd
   [[nodiscard]] double stretch_by_change(std::size_t k) const { return sums_(k, 2); }          ///< g_k'c
   /// g_k' admittance g_l, l <= k.

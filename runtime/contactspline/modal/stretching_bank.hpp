@@ -29,7 +29,7 @@ class StretchingBank {
 
   /// The forms name no other modes than these.
   StretchingBank(std::span<const Mode> modes, std::span<const StretchForm> forms, double sample_rate_hz)
-      : bank_(modes, sample_rate_hz), motion_(forms, modes.size()) {}
+      : bank_(modes, sample_rate_hz), motion_(forms, bank_) {}
 
   [[nodiscard]] std::size_t size() const { return bank_.size(); }
 
@@ -62,9 +62,9 @@ class StretchingBank {
     bank_.set_motion(mode, displacement_m, velocity_m_per_s);
     motion_.take_motion(bank_);
   }
-  /// As ModalBank::retune.
+  /// As ModalBank::retune. Modes that stretch the body by themselves stay.
   void retune(std::span<const Mode> modes) {
-    bank_.retune(modes);
+    bank_.retune(modes.first(motion_.own_springs()));
     motion_.take_motion(bank_);
   }
   /// Brings all modes to rest. Does not allocate.

@@ -4,6 +4,7 @@
 
 #include "contactspline/step/cpp20.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <concepts>
 #include <cstddef>
@@ -37,19 +38,35 @@ namespace contactspline::detail {
 template <std::floating_point T>
 class TwoStepMotion {
  public:
-  TwoStepMotion(std::span<const StretchForm> forms, std::size_t modes)
-      : forms_(forms, modes),
-        free_increment_(modes),
-        change_(modes),
-        change_before_(modes),
+  /// Takes the springs of modes that stretch the body by themselves from the bank. Where such a mode is above 0.45
+  /// times the sample rate, its form does not act: a string is as if the mode were infinitely fast.
+  TwoStepMotion(std::span<const StretchForm> forms, ModalBank<T>& bank)
+      : forms_(forms, bank.size()),
+        free_increment_(bank.size()),
+        change_(bank.size()),
+        change_before_(bank.size()),
         moved_(forms.size()),
         force_(forms.size()),
-        response_(forms.size()) {}
+        response_(forms.size()),
+        own_springs_(bank.size()) {
+    for (std::size_t k = 0; k < forms.size(); ++k) {
+      const auto [mode, factor] = forms[k].linear;
+      if (factor == 0) continue;
+      own_springs_ = (std::min)(own_springs_, mode);
+      if (can_give_away_spring(bank.constants(mode).stiffness, bank.constants(mode).admittance))
+        bank.give_away_spring(mode, forms[k].stiffness_j * factor * factor / 2);
+      else
+        forms_.stop(k);
+    }
+    forms_.take(arrays(bank));
+  }
 
   [[nodiscard]] const StretchForms<T>& forms() const { return forms_; }
+  /// Number of modes whose springs are those of the bank: the first ones.
+  [[nodiscard]] std::size_t own_springs() const { return own_springs_; }
   /// By how much of their admittances the modes move over two samples: 2 less what the damper takes.
   [[nodiscard]] double gain() const { return 2 * double(gain_); }
-  /// g_k'q- : how much form k was stretched by the displacements before the last sample.
+  /// q-'A_k q: how much form k was stretched by the displacements before the last sample.
   [[nodiscard]] double stretch_before(std::size_t k) const { return forms_.stretch(k) - forms_.stretch_by_change(k); }
   /// g_k'(q+ - q-) under the forces pushed so far, without those of the forms.
   [[nodiscard]] double stretch_increment(std::size_t k) const { return moved_[k] + forms_.stretch_by_change(k); }
@@ -220,7 +237,8 @@ class TwoStepMotion {
   ModalArray<T> free_increment_;                  // d
   ModalArray<T> change_, change_before_;          // c and c-
   std::vector<double> moved_, force_, response_;  // of each form: g'c without forms, f, what it answers to a force
-  T damping_ = 0, gain_ = 1;                      // of the current sample
+  std::size_t own_springs_;
+  T damping_ = 0, gain_ = 1;  // of the current sample
   bool is_factored_ = false, is_solved_ = false;
 };
 

@@ -102,10 +102,8 @@ class ContactNetwork {
   /// Changes frequencies and decays of a body between two samples, as ModalBank::retune. Rigid links keep their
   /// stiffness. Does not allocate.
   void retune(std::size_t body, std::span<const Mode> modes) {
-    ModalBank<T>& bank = parts_.bodies[body].bank;
-    const bool moves = bank.moves();
-    bank.retune(modes);
-    parts_.bodies[body].take_motion();
+    const bool moves = parts_.bodies[body].bank.moves();
+    parts_.bodies[body].retune(modes);
     // At rest all is as in a new network.
     moves ? admittances_.measure_frequencies(parts_, body) : admittances_.measure(parts_, body);
     admittances_.measure_roots(parts_);
@@ -186,7 +184,6 @@ class ContactNetwork {
       body.bank.reset();
       body.take_motion();
     }
-    if (two_steps_) two_steps_->reset();
     for (std::size_t k = 0; k < parts_.connections.size(); ++k) {
       solver_[k].friction.reset();
       parts_.connections[k].temperature.reset();
@@ -221,6 +218,10 @@ class ContactNetwork {
   }
   [[nodiscard]] T velocity(std::size_t place) const {  ///< of a place [m/s]
     return parts_.body_of(place).bank.velocity(shapes(place));
+  }
+  /// By how much a form stretches a body now: s of StretchForm.
+  [[nodiscard]] double stretch(std::size_t body, std::size_t form) const {
+    return parts_.bodies[body].motion->forms().stretch(form);
   }
   /// Force of a connection over the last sample [N], positive if it pushes its places apart.
   [[nodiscard]] T force(std::size_t connection) const { return solver_[connection].force; }
@@ -396,9 +397,11 @@ class ContactNetwork {
 
   // Contacts that are pressed at rest have been for ever.
   void hold_memories() {
-    for (std::size_t k = 0; k < parts_.connections.size(); ++k)
-      if (CoupledConnection<T>& c = solver_[k]; !c.memory.empty())
-        c.memory.hold(contactspline::force(c.table, c.compression));
+    const auto hold = [](CoupledConnection<T>& c) {
+      if (!c.memory.empty()) c.memory.hold(contactspline::force(c.table, c.compression));
+    };
+    for (std::size_t k = 0; k < parts_.connections.size(); ++k) hold(solver_[k]);
+    if (two_steps_) std::ranges::for_each(two_steps_->resting(), hold);
   }
 
   void set_compression(std::size_t k, T compression) {
@@ -509,8 +512,12 @@ class ContactNetwork {
     Connection& c = parts_.connections[k];
     solver_[k].free_increment = free_increment + c.lift_of_step() + c.carried;
     c.before = solver_[k].compression;
-    if (solver_[k].is_friction) solver_[k].friction.press({c.normal_force, c.temperature.coefficient()});
+    if (solver_[k].is_friction) solver_[k].friction.press({normal_force(c), c.temperature.coefficient()});
     solver_.add(k);
+  }
+
+  [[nodiscard]] T normal_force(const Connection& c) const {
+    return c.pressed_by == kNoConnection ? c.normal_force : c.normal_force + (std::max)(force(c.pressed_by), T(0));
   }
 
   void warm(std::size_t k) {

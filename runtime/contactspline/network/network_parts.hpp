@@ -28,6 +28,11 @@ template <std::floating_point T>
 struct NetworkBody {
   NetworkBody(std::span<const Mode> modes, double sample_rate_hz) : bank(modes, sample_rate_hz) {}
 
+  /// As ModalBank::retune. Modes that stretch the body by themselves stay.
+  void retune(std::span<const Mode> modes) {
+    bank.retune(motion ? modes.first(motion->own_springs()) : modes);
+    take_motion();
+  }
   /// Takes a motion of the modes that was set between two samples.
   void take_motion() {
     if (motion) motion->take_motion(bank);
@@ -116,7 +121,8 @@ struct NetworkConnection {
         spring(plan.spring_n_per_m),
         resistance(plan.resistance_n_s_per_m),
         gap(plan.gap_m),
-        target_gap(plan.gap_m) {}
+        target_gap(plan.gap_m),
+        pressed_by(plan.pressed_by) {}
 
   /// By how much the gap shrinks over the samples on which a force acts [m].
   [[nodiscard]] T lift_of_step() const { return lift + lift_before; }
@@ -137,8 +143,9 @@ struct NetworkConnection {
   bool is_awake = true;
   bool is_following = false;
   // Of friction.
-  T normal_force = 0;  // target [N]
-  T carried = 0;       // by how much the surface of the first place moves by itself in a sample [m]
+  T normal_force = 0;  // target, without that of another connection [N]
+  std::size_t pressed_by;
+  T carried = 0;  // by how much the surface of the first place moves by itself in a sample [m]
   FrictionTemperature<T> temperature;
 };
 
@@ -148,7 +155,7 @@ struct NetworkParts {
   NetworkParts(const NetworkPlan<T>& plan, double sample_rate_hz) : samples_of_step(plan.samples_of_step()) {
     for (std::size_t b = 0; b < plan.bodies().size(); ++b) {
       bodies.emplace_back(plan.bodies()[b], sample_rate_hz);
-      if (samples_of_step == 2) bodies[b].motion.emplace(plan.forms(b), plan.bodies()[b].size());
+      if (samples_of_step == 2) bodies[b].motion.emplace(plan.forms(b), bodies[b].bank);
     }
     for (const auto& place : plan.places()) {
       places.emplace_back(place.body, place.shapes);

@@ -50,6 +50,7 @@ class NetworkPlan {
     bool is_rigid = false;
     std::optional<FrictionMaterial> friction = {};
     double friction_width_m = 1;
+    std::size_t pressed_by = kNoConnection;  // of friction
   };
 
   /// forms: those of a body that stretches. With one such body in the network all forces act over two samples
@@ -117,11 +118,16 @@ class NetworkPlan {
                               .resistance_n_s_per_m = resistance_n_s_per_m});
   }
 
-  /// Friction between two places that move along each other; ContactNetwork::set_normal_force presses them together.
-  /// width_m: of the surfaces across the motion, > 0, where heat weakens the material.
+  /// Friction between two places that move along each other; ContactNetwork::set_normal_force presses them together,
+  /// and so does the force over the last sample of a connection, such as a contact across this motion. width_m: of
+  /// the surfaces across the motion, > 0, where heat weakens the material.
   std::size_t add_friction(std::size_t first, std::size_t second, const FrictionMaterial& material,
-                           double width_m = 1) {
-    return add(connections_, {.first = first, .second = second, .friction = material, .friction_width_m = width_m});
+                           double width_m = 1, std::size_t pressed_by = kNoConnection) {
+    return add(connections_, {.first = first,
+                              .second = second,
+                              .friction = material,
+                              .friction_width_m = width_m,
+                              .pressed_by = pressed_by});
   }
 
   /// A link so stiff that its length changes by 1e-3 of what the places would move apart in a sample.

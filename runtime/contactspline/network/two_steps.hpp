@@ -48,10 +48,6 @@ class TwoSteps {
   void jump() {
     for (CoupledConnection<T>& resting : resting_) resting.memory.set_last_increment(0);
   }
-  /// The memories of what rests forget.
-  void reset() {
-    for (CoupledConnection<T>& resting : resting_) resting.memory.reset();
-  }
   /// Energy of what rests, half of which counts [J].
   [[nodiscard]] double energy() const {
     double energy = 0;

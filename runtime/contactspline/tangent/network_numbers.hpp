@@ -35,7 +35,7 @@ namespace detail {
 
 [[nodiscard]] inline double product(const StretchForm& a, const StretchForm& b) {
   using Product = StretchForm::Product;
-  return a.stiffness_j * b.stiffness_j +
+  return a.stiffness_j * b.stiffness_j + a.linear.factor_per_m * b.linear.factor_per_m +
          sum_over(a.squares_per_m2, b.squares_per_m2, [](double x, double y) { return x * y; }) +
          sum_over(a.products, b.products,
                   [](const Product& x, const Product& y) { return x.factor_per_m2 * y.factor_per_m2; });

@@ -30,6 +30,7 @@ struct FormBackwards {
   std::size_t body, begin, modes;    ///< where it is, and the modes of this
   std::vector<T> gradient, adjoint;  ///< A q, and its adjoint
   StretchForm sum;                   ///< adjoints of the numbers of the form
+  bool acts = true;                  ///< at the sample rate
 
   FormBackwards(const StretchForm& of_form, std::size_t of_body, std::size_t first_mode, std::size_t count)
       : form(of_form),
@@ -38,27 +39,35 @@ struct FormBackwards {
         modes(count),
         gradient(count),
         adjoint(count),
-        sum{0, std::vector<double>(count), of_form.products} {
+        sum{0, std::vector<double>(count), of_form.products, {of_form.linear.mode, 0}} {
     for (auto& product : sum.products) product.factor_per_m2 = 0;
   }
 
-  [[nodiscard]] T stiffness() const { return static_cast<T>(form.stiffness_j); }
+  [[nodiscard]] T stiffness() const { return acts ? static_cast<T>(form.stiffness_j) : T(0); }
   /// displacements: of all modes of the network.
-  void take(const std::vector<T>& displacements) {
-    std::ranges::fill(gradient, T(0));
-    add_form_product(form, displacements.data() + begin, gradient.data());
-  }
+  void take(const std::vector<T>& displacements) { take_form_gradient(form, displacements.data() + begin, gradient); }
   /// Gradient times values, of all modes of the network.
   [[nodiscard]] T stretch(const std::vector<T>& values) const {
     T sum_of_products = 0;
     for (std::size_t i = 0; i < modes; ++i) sum_of_products += gradient[i] * values[begin + i];
     return sum_of_products;
   }
+  /// What of the stretch stands in no product with the gradient, and its adjoint back.
+  [[nodiscard]] T beside_gradient(const std::vector<T>& displacements) const {
+    return stretch_beside_gradient(form, displacements.data() + begin);
+  }
+  void add_beside_gradient(T of_it, const std::vector<T>& displacements, std::vector<T>& of_displacements) {
+    if (form.linear.factor_per_m == 0) return;
+    const std::size_t m = begin + form.linear.mode;
+    of_displacements[m] += of_it * static_cast<T>(form.linear.factor_per_m / 2);
+    sum.linear.factor_per_m += double(of_it * displacements[m]) / 2;
+  }
   /// The adjoint of the gradient becomes that of the displacements and the form.
   void finish(const std::vector<T>& displacements, std::vector<T>& of_displacements) {
     const T* q = displacements.data() + begin;
     add_form_product(form, adjoint.data(), of_displacements.data() + begin);
     for (std::size_t i = 0; i < modes; ++i) sum.squares_per_m2[i] += double(adjoint[i]) * double(q[i]);
+    if (form.linear.factor_per_m != 0) sum.linear.factor_per_m += double(adjoint[form.linear.mode]) / 2;
     for (auto& [first, second, factor] : sum.products)
       factor += double(adjoint[first]) * double(q[second]) + double(adjoint[second]) * double(q[first]);
     std::ranges::fill(adjoint, T(0));
@@ -100,7 +109,7 @@ struct TwoStepAdjoints {
       values->resize(modes.size());
     for (std::size_t b = 0; b < plan.bodies().size(); ++b)
       for (const StretchForm& form : plan.forms(b))
-        forms.emplace_back(form, b, modes.begins[b], plan.bodies()[b].size());
+        forms.emplace_back(form, b, modes.begins[b], plan.bodies()[b].size()).acts = modes.acts(b, form);
   }
 
   /// The forms are where q is.
@@ -193,7 +202,7 @@ struct TwoStepAdjoints {
   void pull(std::size_t body, T factor) {
     for (FormBackwards<T>& form : forms) {
       if (form.body != body) continue;
-      const T stretched = form.stretch(q);
+      const T stretched = form.stretch(q) + form.beside_gradient(q);
       T sum = 0;
       for (std::size_t i = 0; i < form.modes; ++i) {
         const std::size_t m = form.begin + i;
@@ -202,7 +211,8 @@ struct TwoStepAdjoints {
         of_admittance[m] += by_motion * form.gradient[i];
         form.adjoint[i] += by_motion * modes.admittance[m];
       }
-      form.sum.stiffness_j += double(stretched * sum);
+      if (form.acts) form.sum.stiffness_j += double(stretched * sum);
+      form.add_beside_gradient(form.stiffness() * sum, q, of_q);
       for (std::size_t i = 0; i < form.modes; ++i) {
         form.adjoint[i] += form.stiffness() * sum * q[form.begin + i];
         of_q[form.begin + i] += form.stiffness() * sum * form.gradient[i];
@@ -225,7 +235,26 @@ struct TwoStepAdjoints {
     return {by_q + (decay * travel - (modes.loss[m] + modes.stiffness[m]) / 2) * by_d, travel * by_d};
   }
 
-  /// At the end: the adjoint of a mode's numbers.
+  /// At the end: where forms have springs of modes, the adjoints of these and of the modes' own constants
+  /// (ModalBank::give_away_spring).
+  void give_springs_back() {
+    for (FormBackwards<T>& form : forms) {
+      if (!modes.has_spring(form.body, form.form)) continue;
+      const std::size_t m = form.begin + form.form.linear.mode;
+      const T spring = modes.spring_of(form.form), gain = modes.gain_of(m, spring);
+      const T admittance = modes.own_admittance[m], rest = modes.own_stiffness[m] - 2 * admittance * spring;
+      const T by_gain =
+          gain * gain / 2 * (rest * of_stiffness[m] + modes.own_loss[m] * of_loss[m] + admittance * of_admittance[m]);
+      const double of_spring = double(admittance * (by_gain - 2 * gain * of_stiffness[m]));
+      of_admittance[m] = gain * of_admittance[m] + spring * (by_gain - 2 * gain * of_stiffness[m]);
+      of_stiffness[m] *= gain;
+      of_loss[m] *= gain;
+      const double factor = form.form.linear.factor_per_m;
+      form.sum.stiffness_j += of_spring * factor * factor / 2;
+      form.sum.linear.factor_per_m += of_spring * form.form.stiffness_j * factor;
+    }
+  }
+  /// Then the adjoint of a mode's numbers.
   [[nodiscard]] Mode mode_numbers(std::size_t b, std::size_t i) const {
     const std::size_t m = modes.begins[b] + i;
     const Mode& mode = plan.bodies()[b][i];

@@ -226,8 +226,12 @@ class StretchingBackwards {
     }
     for (std::size_t f = 0; f < at_.forms.size(); ++f) {
       FormBackwards<T>& form = at_.forms[f];
-      const T middle = form.stretch(at_.q) + (form.stretch(at_.c) - form.stretch(at_.last_c)) / 2;
-      form.sum.stiffness_j += double(middle * forces_[connections_.size() + f].adjoint);
+      const Force& force = forces_[connections_.size() + f];
+      if (!form.acts) continue;
+      const T middle =
+          form.stretch(at_.q) + form.beside_gradient(at_.q) + (form.stretch(at_.c) - form.stretch(at_.last_c)) / 2;
+      form.sum.stiffness_j += double(middle * force.adjoint);
+      form.add_beside_gradient((force.slopes.before + force.slopes.after) * force.adjoint, at_.q, at_.of_q);
     }
   }
 
@@ -266,6 +270,7 @@ class StretchingBackwards {
   }
 
   void finish() {
+    at_.give_springs_back();
     NetworkNumbers<T>& numbers = gradient_.numbers;
     for (const std::vector<T>& shapes : of_shapes_) {
       numbers.places.emplace_back(shapes.size());

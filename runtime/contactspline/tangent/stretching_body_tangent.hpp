@@ -54,12 +54,17 @@ class FormTangent {
 
   /// directions: of the form; what is missing at the end of their lists is 0.
   FormTangent(const StretchForm& form, std::size_t modes, const std::array<StretchForm, P>& directions)
-      : stiffness_(form.stiffness_j), squares_(modes), gradient_(modes) {
+      : stiffness_(form.stiffness_j),
+        linear_mode_(form.linear.mode),
+        half_linear_(form.linear.factor_per_m / 2),
+        squares_(modes),
+        gradient_(modes) {
     for (std::size_t i = 0; i < form.squares_per_m2.size(); ++i) squares_[i] = Number(form.squares_per_m2[i]);
     for (const auto& [first, second, factor] : form.products) products_.push_back({first, second, Number(factor)});
     for (std::size_t p = 0; p < P; ++p) {
       const StretchForm& direction = directions[p];
       stiffness_.slopes[p] = static_cast<T>(direction.stiffness_j);
+      half_linear_.slopes[p] = static_cast<T>(direction.linear.factor_per_m / 2);
       for (std::size_t i = 0; i < (std::min)(modes, direction.squares_per_m2.size()); ++i)
         squares_[i].slopes[p] = static_cast<T>(direction.squares_per_m2[i]);
       for (std::size_t i = 0; i < (std::min)(products_.size(), direction.products.size()); ++i)
@@ -67,14 +72,25 @@ class FormTangent {
     }
   }
 
-  /// Computes the gradient A q [1/m].
+  /// Computes the gradient A q, with half of what is linear [1/m].
   void take(const Numbers& displacements) {
     std::ranges::transform(squares_, displacements, gradient_.begin(), std::multiplies<>());
     for (const auto& [first, second, factor] : products_) {
       gradient_[first] = gradient_[first] + factor * displacements[second];
       gradient_[second] = gradient_[second] + factor * displacements[first];
     }
+    if (has_linear()) gradient_[linear_mode_] = gradient_[linear_mode_] + half_linear_;
   }
+  /// As those of StretchingForm.
+  [[nodiscard]] Number stretch_beside_gradient(const Numbers& displacements) const {
+    return has_linear() ? half_linear_ * displacements[linear_mode_] : Number();
+  }
+  void stop() { stiffness_ = Number(); }
+
+  [[nodiscard]] bool has_linear() const { return half_linear_.value != 0; }
+  [[nodiscard]] std::size_t linear_mode() const { return linear_mode_; }
+  /// The spring of the mode that stretches the body by itself [N/m].
+  [[nodiscard]] Number spring() const { return Number(2) * stiffness_ * half_linear_ * half_linear_; }
   [[nodiscard]] const Numbers& gradient() const { return gradient_; }
   [[nodiscard]] const Number& stiffness() const { return stiffness_; }  ///< [J]
 
@@ -85,6 +101,8 @@ class FormTangent {
   };
 
   Number stiffness_;
+  std::size_t linear_mode_;
+  Number half_linear_;
   Numbers squares_, gradient_;
   std::vector<Product> products_;
 };
@@ -121,6 +139,9 @@ class StretchingBodyTangent {
         travel_[i].slopes[p] = static_cast<T>(travel_tangent(modes[i], directions[p][i], sample_rate_hz));
       }
     }
+    for (FormTangent<T, P>& form : forms_)
+      if (form.has_linear()) take_spring(form);
+    take();
   }
 
   /// ModalBank::set_motion and TwoStepMotion::take_motion.
@@ -170,15 +191,31 @@ class StretchingBodyTangent {
     return displacement(shapes) - product(shapes, change_);
   }
   [[nodiscard]] const std::vector<FormTangent<T, P>>& forms() const { return forms_; }
+  /// How much a form is stretched by the displacements, and was a sample before.
+  [[nodiscard]] Number stretch(const FormTangent<T, P>& form) const {
+    return displacement(form.gradient()) + form.stretch_beside_gradient(displacement_);
+  }
+  [[nodiscard]] Number stretch_before(const FormTangent<T, P>& form) const {
+    return displacement_before(form.gradient()) + form.stretch_beside_gradient(displacement_);
+  }
 
  private:
+  // ModalBank::give_away_spring.
+  void take_spring(FormTangent<T, P>& form) {
+    const std::size_t i = form.linear_mode();
+    if (!can_give_away_spring(double(stiffness_[i].value), double(admittance_[i].value))) return form.stop();
+    const Number spring = admittance_[i] * form.spring();
+    const Number gain = Number(1) / (Number(1) - Number(T(0.5)) * spring);
+    stiffness_[i] = gain * (stiffness_[i] - Number(2) * spring);
+    for (Numbers* constants : {&loss_, &admittance_}) (*constants)[i] = gain * (*constants)[i];
+  }
   void take() {
     for (FormTangent<T, P>& form : forms_) form.take(displacement_);
   }
   // Adds to the increments what the forms do at the displacements, times a factor.
   void pull(const Number& factor, Numbers& increments) const {
     for (const FormTangent<T, P>& form : forms_) {
-      const Number force = factor * form.stiffness() * displacement(form.gradient());
+      const Number force = factor * form.stiffness() * stretch(form);
       for (std::size_t i = 0; i < increments.size(); ++i)
         increments[i] = increments[i] + admittance_[i] * form.gradient()[i] * force;
     }

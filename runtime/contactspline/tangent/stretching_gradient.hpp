@@ -94,9 +94,10 @@ class RecordedStretching {
     const ModalBank<T>& bank = model_.body(body);
     std::vector<T> changes(bank.free_increments().begin(), bank.free_increments().end());
     for (const StretchForm& form : plan_.forms(body)) {
+      if (!modes_.acts(body, form)) continue;
       std::vector<T> gradient(bank.size());
-      detail::add_form_product(form, bank.displacements().data(), gradient.data());
-      T force = 0;
+      detail::take_form_gradient(form, bank.displacements().data(), gradient);
+      T force = detail::stretch_beside_gradient(form, bank.displacements().data());
       for (std::size_t i = 0; i < bank.size(); ++i) force += gradient[i] * bank.displacement(i);
       force *= static_cast<T>(form.stiffness_j);
       for (std::size_t i = 0; i < bank.size(); ++i) changes[i] += force * gradient[i] * bank.admittance(i);

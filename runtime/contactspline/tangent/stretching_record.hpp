@@ -4,6 +4,7 @@
 
 #include "contactspline/step/cpp20.hpp"
 
+#include <algorithm>
 #include <concepts>
 #include <cstddef>
 #include <vector>
@@ -36,6 +37,20 @@ void add_form_product(const StretchForm& form, const T* from, T* to) {
     to[first] += static_cast<T>(factor) * from[second];
     to[second] += static_cast<T>(factor) * from[first];
   }
+}
+
+/// The gradient of a form at displacements q of its modes: A q, and half of what is linear.
+template <std::floating_point T>
+void take_form_gradient(const StretchForm& form, const T* q, std::vector<T>& gradient) {
+  std::ranges::fill(gradient, T(0));
+  add_form_product(form, q, gradient.data());
+  if (form.linear.factor_per_m != 0) gradient[form.linear.mode] += static_cast<T>(form.linear.factor_per_m / 2);
+}
+/// What of the stretch stands in no product with the gradient.
+template <std::floating_point T>
+[[nodiscard]] T stretch_beside_gradient(const StretchForm& form, const T* q) {
+  if (form.linear.factor_per_m == 0) return 0;
+  return static_cast<T>(form.linear.factor_per_m / 2) * q[form.linear.mode];
 }
 
 }  // namespace contactspline::detail

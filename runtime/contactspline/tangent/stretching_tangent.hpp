@@ -195,7 +195,7 @@ class StretchingTangent {
     const auto& [b, f] = stretching_[i];
     const auto& form = bodies_[b].forms()[f];
     const CoupledConnection<T>& acting = model_.solver()[connections_.size() + i];
-    const Number before = bodies_[b].displacement_before(form.gradient());
+    const Number before = bodies_[b].stretch_before(form);
     const Number middle = before + Number(T(0.5) * (acting.compression - before.value));
     forces_[connections_.size() + i] = {{acting.force, (form.stiffness() * middle).slopes},
                                         form.stiffness().value / 2};
