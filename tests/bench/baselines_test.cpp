@@ -10,6 +10,7 @@
 
 #include "bench/baselines/fd_hammer.hpp"
 #include "bench/baselines/newton.hpp"
+#include "bench/baselines/newton_bow.hpp"
 #include "bench/baselines/quadratised.hpp"
 #include "bench/baselines/quadratised_network.hpp"
 #include "bench/baselines/quadratised_stretching.hpp"
@@ -554,6 +555,39 @@ TEST(FdHammerBaseline, IsTheSameStroke) {
   is_the_same_stroke<float>(bench::FdString::c4, c4());
   is_the_same_stroke<double>(bench::FdString::c2, c2());
   is_the_same_stroke<float>(bench::FdString::c2, c2());
+}
+
+// A bowed string by Newton's method on the differences of W, and by our step: one point, four of hair, and these on a
+// string that a bridge joins to a body. The force jumps and the bow turns back.
+TEST(NewtonBow, IsTheFrictionStep) {
+  constexpr double kRateOfBow = 44100;
+  for (const std::size_t points : {1, 4})
+    for (const std::size_t modes : {0, 40}) {
+      auto problem = bench::bowing::problem_of(bench::kViolinD, 0.1, points);
+      if (modes > 0) bench::bowing::add_body(problem, bench::kViolinD, modes);
+      std::vector<std::size_t> connections;
+      ContactNetwork<double> network(bench::bowing::plan_of<double>(problem, connections), kRateOfBow);
+      bench::NewtonBow<double> newton(problem, kRateOfBow);
+      double worst = 0, warmest = 0;
+      for (int n = 0; n < 16000; ++n) {
+        const double force_n = n < 8000 ? 0.4 : n < 9000 ? 1.5 : 0.2, speed = n < 12000 ? 0.1 : -0.3;
+        for (const std::size_t connection : connections) {
+          network.set_normal_force(connection, force_n / static_cast<double>(points));
+          network.set_surface_speed(connection, speed);
+        }
+        network.tick();
+        newton.tick(force_n, speed);
+        for (std::size_t p = 0; p < points; ++p) {
+          worst = std::max(worst, std::abs(network.force(connections[p]) - newton.force(p)));
+          warmest = std::max(warmest, std::abs(newton.temperature(p)));
+        }
+      }
+      Measured() << points << " points, body of " << modes << " modes: forces within " << worst << " N, "
+                 << newton.iterations() << " iterations a sample, at most " << warmest << " K";
+      EXPECT_TRUE(within(worst, 0, 1e-7)) << points << ' ' << modes;
+      EXPECT_EQ(newton.given_up(), 0U);
+      EXPECT_GT(warmest, 5);
+    }
 }
 
 }  // namespace
