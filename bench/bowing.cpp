@@ -274,6 +274,10 @@ int run(int argc, char** argv) {
   const Setting setting{argc > 2 ? std::atof(argv[2]) : kRate,
                         argc > 3 ? static_cast<std::size_t>(std::atoi(argv[3])) : 4,
                         argc > 4 && std::string(argv[4]) == "rest"};
+  if (!(setting.rate >= 8000 && setting.rate <= 1e6) || setting.points < 1 || setting.points > 8)
+    return std::fprintf(stderr, "bowing: %s Hz, %s points; allowed: 8000 to 1e6, 1 to 8, such as 44100 4\n", argv[2],
+                        argc > 3 ? argv[3] : "4"),
+           2;
   if (what == "limits")
     print_limits(setting);
   else if (what == "starts")
