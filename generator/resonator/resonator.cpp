@@ -12,6 +12,7 @@
 #include <variant>
 
 #include "generator/resonator/ribbed_plate.hpp"
+#include "generator/resonator/undercut_bar.hpp"
 
 namespace contactspline {
 namespace {
@@ -97,7 +98,20 @@ std::vector<NumberedMode> numbered_below(const StiffString& string, double limit
   return modes;
 }
 
+// Modes that were computed together, which are counted from 0.
+std::vector<NumberedMode> numbered_below(const std::vector<UndampedMode>& computed, double limit,
+                                         const Losses& losses) {
+  std::vector<NumberedMode> modes;
+  for (std::size_t i = 0; i < computed.size(); ++i) {
+    if (computed[i].angular_frequency_rad_per_s >= limit) break;
+    if (const auto mode = computed[i].with(losses))
+      modes.push_back({*mode, computed[i].wavenumber_per_m, 0, static_cast<int>(i)});
+  }
+  return modes;
+}
+
 std::vector<NumberedMode> numbered_below(const Bar& bar, double limit, std::size_t max) {
+  if (bar.undercut) return numbered_below(bar.undercut->modes(), limit, bar.losses);
   std::vector<NumberedMode> modes;
   add_row(modes, 0, limit, max, bar.losses, [&](int i) { return undamped_mode(bar, i); });
   return modes;
@@ -108,18 +122,8 @@ std::vector<NumberedMode> numbered_below(const Membrane& membrane, double limit,
                     [&](int order, int i) { return undamped_mode(membrane, order, i); });
 }
 
-std::vector<NumberedMode> numbered_below(const RibbedModes& ribbed, double limit, const Losses& losses) {
-  std::vector<NumberedMode> modes;
-  for (std::size_t i = 0; i < ribbed.modes.size(); ++i) {
-    if (ribbed.modes[i].angular_frequency_rad_per_s >= limit) break;
-    if (const auto mode = ribbed.modes[i].with(losses))
-      modes.push_back({*mode, ribbed.modes[i].wavenumber_per_m, 0, static_cast<int>(i)});
-  }
-  return modes;
-}
-
 std::vector<NumberedMode> numbered_below(const Plate& plate, double limit, std::size_t max) {
-  if (plate.ribbed) return numbered_below(plate.ribbed->modes(), limit, plate.losses);
+  if (plate.ribbed) return numbered_below(plate.ribbed->modes().modes, limit, plate.losses);
   return rows_below(1, limit, max, plate.losses, [&](int m, int n) { return undamped_mode(plate, m, n); });
 }
 
@@ -164,6 +168,7 @@ double shape_at(const StiffString&, const NumberedMode& mode, const Place& at, d
 }
 
 double shape_at(const Bar& bar, const NumberedMode& mode, const Place& at, double) {
+  if (bar.undercut) return bar.undercut->shape_at(static_cast<std::size_t>(mode.number), at.position_m);
   return contactspline::shape_at(bar, mode.number, mode.wavenumber_per_m, at.position_m);
 }
 
@@ -198,7 +203,11 @@ double shape_at(const RoundPlate& plate, const NumberedMode& mode, const Place& 
 // Are there modes below the limit that nobody has computed?
 bool ends_below(const decltype(Resonator::body)& body, double limit) {
   const auto* plate = std::get_if<Plate>(&body);
-  return plate != nullptr && plate->ribbed && plate->ribbed->modes().modes.back().angular_frequency_rad_per_s < limit;
+  const auto* bar = std::get_if<Bar>(&body);
+  const std::vector<UndampedMode>* computed = nullptr;
+  if (plate != nullptr && plate->ribbed) computed = &plate->ribbed->modes().modes;
+  if (bar != nullptr && bar->undercut) computed = &bar->undercut->modes();
+  return computed != nullptr && computed->back().angular_frequency_rad_per_s < limit;
 }
 
 const ModeTable::Row& row_of(const ModeTable& table, const NumberedMode& mode) {

@@ -12,6 +12,7 @@
 
 #include "contactspline/data/keyboard_parts.hpp"
 #include "generator/resonator/ribbed_plate.hpp"
+#include "generator/resonator/undercut_bar.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/json_reader.hpp"
 #include "generator/support/ranges.hpp"
@@ -28,6 +29,7 @@ constexpr Range kThickness{1e-6, 1};
 constexpr Range kDensity{1, 3e4};
 constexpr Range kPoisson{-0.999, 0.999};
 constexpr Range kRoundPoisson{0, 0.499};
+constexpr Range kThicknessRatio{0.05, 1};
 constexpr std::size_t kMaxStrings = 8;
 constexpr Range kMassPerLength{0, 1e3};
 constexpr std::size_t kMaxRibs = 64;
@@ -83,6 +85,13 @@ Bar read_bar(const JsonObject& body) {
   Bar bar{body.number("length_m", kLength), body.number("mass_kg", ranges::kMass),
           body.number("bending_stiffness_n_m2", {1e-9, kBending.max}), read_losses(body)};
   if (body.has("ends")) bar.ends = read_ends(body);
+  if (!body.has("undercut")) return bar;
+  const JsonObject undercut = body.object("undercut", {"length_m", "thickness_ratio"});
+  if (bar.ends != std::array{BarEnd::kFree, BarEnd::kFree})
+    body.fail(body.key("undercut"), "is not for a bar that is held at an end", "beside two free ends");
+  bar.undercut = std::make_shared<const UndercutBar>(
+      bar, Undercut{undercut.number("length_m", {0.05 * bar.length_m, bar.length_m}),
+                    undercut.number("thickness_ratio", kThicknessRatio)});
   return bar;
 }
 
@@ -220,7 +229,8 @@ const std::vector<std::string> kStringKeys = {"length_m",
                                               "quadratic_loss_m2_per_s",
                                               "detuning_cents"};
 const std::vector<std::string> kBarKeys = {
-    "length_m", "mass_kg", "bending_stiffness_n_m2", "constant_loss_per_s", "quadratic_loss_m2_per_s", "ends"};
+    "length_m", "mass_kg", "bending_stiffness_n_m2", "constant_loss_per_s", "quadratic_loss_m2_per_s",
+    "ends",     "undercut"};
 const std::vector<std::string> kMembraneKeys = {"radius_m", "mass_per_area_kg_m2", "tension_n_per_m",
                                                 "constant_loss_per_s", "quadratic_loss_m2_per_s"};
 
@@ -326,7 +336,9 @@ void check_reach(const Reach& reach, std::string_view file, std::string_view key
 
 int max_modes_of(const decltype(Resonator::body)& body) {
   const auto* plate = std::get_if<Plate>(&body);
-  return plate != nullptr && plate->ribbed ? static_cast<int>(RibbedPlate::kModes) : kMaxModes;
+  if (plate != nullptr && plate->ribbed) return static_cast<int>(RibbedPlate::kModes);
+  const auto* bar = std::get_if<Bar>(&body);
+  return bar != nullptr && bar->undercut ? static_cast<int>(UndercutBar::kModes) : kMaxModes;
 }
 
 double extent_of(const decltype(Resonator::body)& body) {
