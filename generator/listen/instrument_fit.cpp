@@ -19,6 +19,7 @@ namespace {
 
 constexpr double kMinPart = 1e-6;  // of the way between two bounds, from each
 constexpr double kDerivativePart = 1e-3;
+constexpr int kFewSteps = 8, kManySteps = 30;
 
 double part_at(double place) {
   return 1 / (1 + std::exp(-place));
@@ -101,17 +102,22 @@ class ListeningProblem {
     return slopes;
   }
 
+  /// With forward differences.
   bool operator()(const double* parameters, double* residuals, double* jacobian) const {
+    constexpr double kRefused = 1e3;
     const Eigen::VectorXd at = Eigen::Map<const Eigen::VectorXd>(parameters, NumParameters());
     std::vector<Eigen::VectorXd> places{at};
-    if (jacobian != nullptr)
-      for (Eigen::VectorXd& place : beside(at)) places.push_back(std::move(place));
+    for (Eigen::Index i = 0; jacobian != nullptr && i < at.size(); ++i) {
+      places.push_back(at);
+      places.back()[i] += step_at(at[i]);
+    }
     const auto all = residuals_at(places);
-    constexpr double kRefused = 1e3;
-    for (int r = 0; r < NumResiduals(); ++r)
-      residuals[r] = all[0] ? all[0]->values[static_cast<std::size_t>(r)] : kRefused;
-    if (jacobian != nullptr)
-      Eigen::Map<Eigen::MatrixXd>(jacobian, NumResiduals(), NumParameters()) = slopes(at, std::span(all).subspan(1));
+    const auto here = [&](std::size_t r) { return all[0] ? all[0]->values[r] : kRefused; };
+    const auto count = static_cast<std::size_t>(NumResiduals());
+    for (std::size_t r = 0; r < count; ++r) residuals[r] = here(r);
+    for (std::size_t i = 0; i + 1 < places.size(); ++i)
+      for (std::size_t r = 0; r < count; ++r)
+        jacobian[i * count + r] = all[i + 1] ? (all[i + 1]->values[r] - here(r)) / step_at(parameters[i]) : 0;
     return true;
   }
 
@@ -168,21 +174,106 @@ std::vector<Eigen::VectorXd> scattered(const RecordedInstrument& recorded, const
   return places;
 }
 
-// The best of searches from the start and from the three best of places all over the box.
-Eigen::VectorXd find_place(const RecordedInstrument& recorded, const ListeningProblem& problem) {
-  constexpr std::size_t kBest = 3;
-  constexpr int kFewSteps = 8;
-  std::vector<Eigen::VectorXd> places = scattered(recorded, problem.start());
-  std::vector<std::pair<double, std::size_t>> order;
+/// A place to search from, and the cost there.
+struct Candidate {
+  double cost;
+  Eigen::VectorXd place;
+};
+
+std::vector<Candidate> with_costs(const ListeningProblem& problem, const std::vector<Eigen::VectorXd>& places) {
+  std::vector<Candidate> candidates;
   for (const auto& residuals : problem.residuals_at(places))
-    order.emplace_back(problem.cost_of(residuals), order.size());
-  std::ranges::sort(order);
+    candidates.push_back({problem.cost_of(residuals), places[candidates.size()]});
+  return candidates;
+}
+
+// The best of searches from the start and from the two best of places all over the box.
+Eigen::VectorXd find_place(const RecordedInstrument& recorded, const ListeningProblem& problem) {
+  constexpr std::size_t kBest = 2;
+  std::vector<Eigen::VectorXd> places = scattered(recorded, problem.start());
+  std::vector<Candidate> candidates = with_costs(problem, places);
   std::vector<Eigen::VectorXd> found{problem.search(places[0], kFewSteps)};
-  for (std::size_t k = 0; k < std::min(kBest, order.size()); ++k)
-    if (order[k].second > 0) found.push_back(problem.search(places[order[k].second], kFewSteps));
-  std::vector<double> costs;
-  for (const auto& residuals : problem.residuals_at(found)) costs.push_back(problem.cost_of(residuals));
-  return found[static_cast<std::size_t>(std::ranges::min_element(costs) - costs.begin())];
+  std::ranges::sort(candidates, {}, &Candidate::cost);
+  candidates.resize(std::min(kBest, candidates.size()));
+  for (const Candidate& candidate : candidates) found.push_back(problem.search(candidate.place, kFewSteps));
+  return std::ranges::min(with_costs(problem, found), {}, &Candidate::cost).place;
+}
+
+// Where one number alone moves over its bounds. Adds those that have another place almost as good to `loose`.
+std::vector<Candidate> along_each(const ListeningProblem& problem, const Candidate& from,
+                                  std::vector<Eigen::Index>& loose) {
+  constexpr int kScanned = 24;
+  constexpr double kLoose = 5;
+  std::vector<Eigen::VectorXd> places;
+  for (Eigen::Index i = 0; i < from.place.size(); ++i)
+    for (int k = 0; k < kScanned; ++k) {
+      places.push_back(from.place);
+      places.back()[i] = place_of((k + 0.5) / kScanned);
+    }
+  std::vector<Candidate> all = with_costs(problem, places);
+  for (Eigen::Index i = 0; i < from.place.size(); ++i) {
+    const auto of_number = std::span(all).subspan(static_cast<std::size_t>(i * kScanned), kScanned);
+    const auto is_near = [&](const Candidate& candidate) {
+      return std::abs(part_at(candidate.place[i]) - part_at(from.place[i])) < 1.0 / kScanned;
+    };
+    if (std::ranges::any_of(of_number, [&](const Candidate& candidate) {
+          return !is_near(candidate) && candidate.cost < kLoose * from.cost;
+        }))
+      loose.push_back(i);
+  }
+  return all;
+}
+
+// Where each two of these numbers move at once.
+std::vector<Candidate> along_pairs(const ListeningProblem& problem, const Candidate& from,
+                                   const std::vector<Eigen::Index>& loose) {
+  constexpr std::size_t kEach = 32, kMost = 640;
+  std::vector<Eigen::VectorXd> places;
+  for (std::size_t k = 1; k <= kEach; ++k)
+    for (std::size_t i = 0; i < loose.size(); ++i)
+      for (std::size_t j = 0; j < i && places.size() < kMost; ++j) {
+        places.push_back(from.place);
+        places.back()[loose[i]] = place_of(halton(k, 2));
+        places.back()[loose[j]] = place_of(halton(k, 3));
+      }
+  return with_costs(problem, places);
+}
+
+// The best of these that are not near a better one, nor where the search is.
+std::vector<Eigen::VectorXd> best_apart(std::vector<Candidate> candidates, const Eigen::VectorXd& at) {
+  constexpr std::size_t kTried = 6;
+  constexpr double kApart = 0.08;  // of the way between bounds
+  std::ranges::sort(candidates, {}, &Candidate::cost);
+  std::vector<Eigen::VectorXd> best{at};
+  for (const Candidate& candidate : candidates) {
+    const auto is_near = [&](const Eigen::VectorXd& other) {
+      return (candidate.place.unaryExpr(&part_at) - other.unaryExpr(&part_at)).cwiseAbs().maxCoeff() < kApart;
+    };
+    if (best.size() <= kTried && std::ranges::none_of(best, is_near)) best.push_back(candidate.place);
+  }
+  best.erase(best.begin());
+  return best;
+}
+
+// The level of a partial rises and falls as a contact becomes longer or moves, so the cost has many minima: from one
+// of them, one or two numbers may lead to a lower one. Goes there as long as there is one.
+Eigen::VectorXd find_lower(const ListeningProblem& problem, const Eigen::VectorXd& start) {
+  constexpr int kTimes = 6;
+  constexpr double kLower = 0.98;
+  Candidate at = with_costs(problem, {start}).front();
+  for (int time = 0; time < kTimes; ++time) {
+    std::vector<Eigen::Index> loose;
+    std::vector<Candidate> candidates = along_each(problem, at, loose);
+    std::ranges::move(along_pairs(problem, at, loose), std::back_inserter(candidates));
+    std::vector<Eigen::VectorXd> found;
+    for (const Eigen::VectorXd& place : best_apart(std::move(candidates), at.place))
+      found.push_back(problem.search(place, kFewSteps));
+    const std::vector<Candidate> lower = with_costs(problem, found);
+    const auto best = std::ranges::min_element(lower, {}, &Candidate::cost);
+    if (best == lower.end() || best->cost > kLower * at.cost) break;
+    at = *best;
+  }
+  return at.place;
 }
 
 /// Half widths of 95 % intervals of the places, infinite where the recordings tell nothing. The sandwich estimate of
@@ -282,8 +373,7 @@ void require_pitch(const RecordedInstrument& recorded, const std::vector<FittedN
 
 InstrumentFit fit_instrument(const RecordedInstrument& recorded, const ReadFile& read,
                              const std::function<void(const std::string&)>& tell) {
-  constexpr double kNear_cents = 40;
-  constexpr int kSteps = 30, kLastSteps = 10;
+  constexpr double kNear_cents = 40, kNear_db = 4;
   const std::vector<NotePicture> pictures = recorded_pictures(recorded);
   const NoteRenderer renderer(recorded, read);
   std::vector<std::size_t> all(pictures.size()), fitted;
@@ -298,10 +388,12 @@ InstrumentFit fit_instrument(const RecordedInstrument& recorded, const ReadFile&
   Eigen::VectorXd at = find_place(recorded, problem);
   tell("searching");
   problem.scales.far_cents = kNear_cents;
-  at = problem.search(at, kSteps);
+  at = find_lower(problem, problem.search(at, kManySteps));
+  problem.scales.far_db = kNear_db;
+  at = problem.search(at, kManySteps);
   problem.scales = scales_of(heard, renderer.render_one(problem.numbers_at(at), fitted), recorded.has_common_gain,
                              problem.scales);
-  at = problem.search(at, kLastSteps);
+  at = problem.search(at, kManySteps);
   std::vector<NotePicture> found = renderer.render_one(problem.numbers_at(at), all);
   const auto after = distances_of(pictures, found, recorded.has_common_gain);
   InstrumentFit fit;

@@ -105,22 +105,23 @@ bool stands_out(const std::vector<double>& power, std::size_t at, std::size_t lo
 
 std::vector<Partial> partials_of(std::span<const double> samples, std::size_t onset, double sample_rate_hz,
                                  double depth_db, std::size_t max_partials) {
-  constexpr std::size_t kFiner = 4, kLobe = 3 * kFiner;
+  constexpr double kLobe = 3;  // to its end and beyond, in parts of 1/window
   const std::size_t begin = onset + static_cast<std::size_t>(kPartialsBegin_s * sample_rate_hz);
   if (begin >= samples.size()) return {};
   const std::size_t window =
       std::min(samples.size() - begin, static_cast<std::size_t>(kPartialsWindow_s * sample_rate_hz));
-  const std::size_t length = kFiner / 2 * std::bit_ceil(window);
+  const std::size_t length = std::bit_ceil(window + window / 2);
   const double bin_hz = sample_rate_hz / static_cast<double>(length);
   Spectrum spectrum(window, length);
   const std::vector<double>& power = spectrum.from(samples, static_cast<std::ptrdiff_t>(begin));
-  const auto lobe = static_cast<std::size_t>(kLobe * static_cast<double>(length) / (kFiner * static_cast<double>(window)));
+  const auto lobe = static_cast<std::size_t>(kLobe * static_cast<double>(length) / static_cast<double>(window));
   const auto first = static_cast<std::size_t>(0.5 * kLowest_hz / bin_hz) + lobe;
   const auto last = std::min(power.size() - lobe - 1, static_cast<std::size_t>(kHighest * sample_rate_hz / bin_hz));
   std::vector<Partial> found;
   for (std::size_t i = first; i < last; ++i) {
+    if (!(power[i] > 0) || power[i] < power[i - 1] || power[i] < power[i + 1]) continue;
     const auto around = std::span(power).subspan(i - lobe, 2 * lobe + 1);
-    if (!(power[i] > 0) || power[i] < std::ranges::max(around) || !stands_out(power, i, lobe)) continue;
+    if ( power[i] < std::ranges::max(around) || !stands_out(power, i, lobe)) continue;
     const double a = decibels(power[i - 1]), b = decibels(power[i]), c = decibels(power[i + 1]);
     found.push_back({(static_cast<double>(i) + 0.5 * (a - c) / (a - 2 * b + c)) * bin_hz, b});
   }

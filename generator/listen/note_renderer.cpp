@@ -33,12 +33,10 @@ std::size_t output_of(const AnyInstrument<double>& instrument, const RecordedIns
   refuse(recorded.file, "outputs", fmt::format("'{}' is none of them", shown(recorded.output)), names);
 }
 
-InstrumentMaker maker_of(const RecordedInstrument& recorded, const ReadFile& read, const std::vector<double>& point) {
+InstrumentMaker maker_of(const RecordedInstrument& recorded, const ReadFile& read, DesignedMaterials& materials,
+                         const std::vector<double>& point) {
   const std::span<const OpenNumber> open = std::span(recorded.open).first(recorded.open_in_text);
-  const std::string text = filled(recorded.text, open, point);
-  return maker_of_text(text, recorded.file, [&](const std::string& path) {
-    return read((std::filesystem::path(recorded.file).parent_path() / path).string());
-  });
+  return maker_of_text(filled(recorded.text, open, point), recorded.file, read, materials);
 }
 
 NotePicture play(const InstrumentMaker& maker, const RecordedInstrument& recorded, const RecordedKey& note,
@@ -69,12 +67,19 @@ void run_on_all_cores(std::size_t tasks, const std::function<void(std::size_t)>&
 
 }  // namespace
 
+NoteRenderer::NoteRenderer(const RecordedInstrument& recorded, const ReadFile& read)
+    : recorded_(recorded),
+      read_([&](const std::string& path) {
+        return read((std::filesystem::path(recorded.file).parent_path() / path).string());
+      }),
+      materials_(std::make_unique<DesignedMaterials>(read_)) {}
+
 std::vector<RenderedNotes> NoteRenderer::render(std::span<const std::vector<double>> points,
                                                 std::span<const std::size_t> notes) const {
   std::vector<std::optional<InstrumentMaker>> makers(points.size());
   run_on_all_cores(points.size(), [&](std::size_t p) {
     try {
-      makers[p] = maker_of(recorded_, read_, points[p]);
+      makers[p] = maker_of(recorded_, read_, *materials_, points[p]);
     } catch (const BadInput&) {
     }
   });
@@ -100,7 +105,7 @@ std::vector<RenderedNotes> NoteRenderer::render(std::span<const std::vector<doub
 
 std::vector<NotePicture> NoteRenderer::render_one(const std::vector<double>& point,
                                                   std::span<const std::size_t> notes) const {
-  const InstrumentMaker maker = maker_of(recorded_, read_, point);
+  const InstrumentMaker maker = maker_of(recorded_, read_, *materials_, point);
   std::vector<NotePicture> pictures(notes.size());
   run_on_all_cores(notes.size(), [&](std::size_t i) {
     pictures[i] = play(maker, recorded_, recorded_.notes[notes[i]], point);

@@ -2,12 +2,14 @@
 // Renders the notes of a recorded instrument with numbers in place of its open ones, as pictures.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "generator/listen/note_picture.hpp"
 #include "generator/listen/recorded_instrument.hpp"
+#include "generator/spline/designed_materials.hpp"
 
 namespace contactspline {
 
@@ -17,7 +19,7 @@ using RenderedNotes = std::optional<std::vector<NotePicture>>;
 class NoteRenderer {
  public:
   /// Both must outlive it.
-  NoteRenderer(const RecordedInstrument& recorded, const ReadFile& read) : recorded_(recorded), read_(read) {}
+  NoteRenderer(const RecordedInstrument& recorded, const ReadFile& read);
 
   /// The pictures of these notes with each of the points, on all cores. A point has a number for each open one. Notes
   /// have the rate of their recording.
@@ -31,7 +33,8 @@ class NoteRenderer {
 
  private:
   const RecordedInstrument& recorded_;
-  const ReadFile& read_;
+  ReadFile read_;  ///< beside the instrument file
+  std::unique_ptr<DesignedMaterials> materials_;
 };
 
 }  // namespace contactspline

@@ -9,11 +9,10 @@ namespace {
 
 constexpr std::size_t kBandsOfGroup = 4;
 constexpr double kTogether = 8;  // levels that tell as much as an independent one: windows and bands overlap
-constexpr double kFar_db = 4;
 constexpr double kLeast_db = 0.1, kLeastCents = 0.3;  // no scale is less
 
-double level_residual(double level_db) {
-  return level_db / std::pow(1 + level_db * level_db / (kFar_db * kFar_db), 0.25);
+double level_residual(double level_db, double far_db) {
+  return level_db / std::pow(1 + level_db * level_db / (far_db * far_db), 0.25);
 }
 
 double cents_residual(double cents, double far_cents) {
@@ -42,7 +41,7 @@ Residuals residuals_of(std::span<const NotePicture> recorded, std::span<const No
   for (std::size_t n = 0; n < recorded.size(); ++n) {
     const NoteDifference difference = compare(recorded[n], rendered[n], gains[n]);
     for (std::size_t i = 0; i < difference.level_db.size(); ++i) {
-      residuals.values.push_back(of_level * level_residual(difference.level_db[i]));
+      residuals.values.push_back(of_level * level_residual(difference.level_db[i], scales.far_db));
       residuals.groups.push_back(residuals.group_count + i % NotePicture::kBands / kBandsOfGroup);
     }
     residuals.group_count += NotePicture::kBands / kBandsOfGroup;
@@ -66,12 +65,12 @@ ResidualScales scales_of(std::span<const NotePicture> recorded, std::span<const 
   double levels = 0, level_squares = 0, partials = 0, cent_squares = 0;
   for (std::size_t n = 0; n < recorded.size(); ++n) {
     const NoteDifference difference = compare(recorded[n], rendered[n], gains[n]);
-    for (const double level_db : difference.level_db) ++levels, level_squares += std::pow(level_residual(level_db), 2);
+    for (const double level_db : difference.level_db) ++levels, level_squares += std::pow(level_residual(level_db, before.far_db), 2);
     for (const double cents : difference.cents)
       ++partials, cent_squares += std::pow(cents_residual(cents, before.far_cents), 2);
   }
   return {std::max(kLeast_db, std::sqrt(level_squares / levels)),
-          std::max(kLeastCents, std::sqrt(cent_squares / std::max(1.0, partials))), before.far_cents};
+          std::max(kLeastCents, std::sqrt(cent_squares / std::max(1.0, partials))), before.far_db, before.far_cents};
 }
 
 }  // namespace contactspline

@@ -14,6 +14,7 @@ namespace contactspline {
 struct ResidualScales {
   double level_db = 3;     ///< of a residual of 1
   double cents = 3;        ///< the same
+  double far_db = 30;      ///< differences of level beyond count by their root
   double far_cents = 400;  ///< differences of partials beyond count as much as this one
 };
 
@@ -25,8 +26,7 @@ struct Residuals {
   std::size_t group_count = 0;
 };
 
-/// recorded and rendered: of each note; with one gain for each note or one for all. Differences of level beyond 4 dB
-/// count by their root.
+/// recorded and rendered: of each note; with one gain for each note or one for all.
 [[nodiscard]] Residuals residuals_of(std::span<const NotePicture> recorded, std::span<const NotePicture> rendered,
                                      bool has_common_gain, const ResidualScales& scales);
 
