@@ -6,6 +6,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <numeric>
@@ -128,7 +129,6 @@ class ListeningProblem {
     solver.options.function_tolerance = 1e-3;  // of the sum of squares, absolute
     solver.options.parameter_tolerance = 1e-6;
     solver.Solve(*this, &from);
-    if (getenv("DBG")) { fmt::print(stderr, "search {} -> {} in {} status {}:", 2*solver.summary.initial_cost, 2*solver.summary.final_cost, solver.summary.iterations, int(solver.summary.status)); for (double x : numbers_at(from)) fmt::print(stderr, " {:.5g}", x); fmt::print(stderr, "\n"); }
     return from;
   }
 
@@ -199,20 +199,28 @@ Eigen::VectorXd find_place(const RecordedInstrument& recorded, const ListeningPr
   return std::ranges::min(with_costs(problem, found), {}, &Candidate::cost).place;
 }
 
-// Where one number alone moves over its bounds. Adds those that have another place almost as good to `loose`.
+// Where one number alone moves over its bounds, and by little. Adds those that have another place almost as good to
+// `loose`.
 std::vector<Candidate> along_each(const ListeningProblem& problem, const Candidate& from,
                                   std::vector<Eigen::Index>& loose) {
   constexpr int kScanned = 24;
+  constexpr std::array kNear = {0.0025, 0.005, 0.01, 0.015, 0.02, 0.03, 0.04, 0.06};  // of the way between bounds
+  constexpr std::size_t kEach = kScanned + 2 * kNear.size();
   constexpr double kLoose = 5;
   std::vector<Eigen::VectorXd> places;
-  for (Eigen::Index i = 0; i < from.place.size(); ++i)
-    for (int k = 0; k < kScanned; ++k) {
+  for (Eigen::Index i = 0; i < from.place.size(); ++i) {
+    std::vector<double> parts;
+    for (int k = 0; k < kScanned; ++k) parts.push_back((k + 0.5) / kScanned);
+    for (const double near : kNear)
+      for (const double sign : {-1, 1}) parts.push_back(part_at(from.place[i]) + sign * near);
+    for (const double part : parts) {
       places.push_back(from.place);
-      places.back()[i] = place_of((k + 0.5) / kScanned);
+      places.back()[i] = place_of(part);
     }
+  }
   std::vector<Candidate> all = with_costs(problem, places);
   for (Eigen::Index i = 0; i < from.place.size(); ++i) {
-    const auto of_number = std::span(all).subspan(static_cast<std::size_t>(i * kScanned), kScanned);
+    const auto of_number = std::span(all).subspan(static_cast<std::size_t>(i) * kEach, kEach);
     const auto is_near = [&](const Candidate& candidate) {
       return std::abs(part_at(candidate.place[i]) - part_at(from.place[i])) < 1.0 / kScanned;
     };
@@ -239,19 +247,19 @@ std::vector<Candidate> along_pairs(const ListeningProblem& problem, const Candid
   return with_costs(problem, places);
 }
 
-// The best of these that are not near a better one, nor where the search is.
-std::vector<Eigen::VectorXd> best_apart(std::vector<Candidate> candidates, const Eigen::VectorXd& at) {
+// The best of these that are not near a better one, nor, unless they are better, where the search is.
+std::vector<Eigen::VectorXd> best_apart(std::vector<Candidate> candidates, const Candidate& at) {
   constexpr std::size_t kTried = 6;
   constexpr double kApart = 0.08;  // of the way between bounds
   std::ranges::sort(candidates, {}, &Candidate::cost);
-  std::vector<Eigen::VectorXd> best{at};
+  std::vector<Eigen::VectorXd> best;
   for (const Candidate& candidate : candidates) {
     const auto is_near = [&](const Eigen::VectorXd& other) {
       return (candidate.place.unaryExpr(&part_at) - other.unaryExpr(&part_at)).cwiseAbs().maxCoeff() < kApart;
     };
-    if (best.size() <= kTried && std::ranges::none_of(best, is_near)) best.push_back(candidate.place);
+    if (candidate.cost >= at.cost && is_near(at.place)) continue;
+    if (best.size() < kTried && std::ranges::none_of(best, is_near)) best.push_back(candidate.place);
   }
-  best.erase(best.begin());
   return best;
 }
 
@@ -266,7 +274,7 @@ Eigen::VectorXd find_lower(const ListeningProblem& problem, const Eigen::VectorX
     std::vector<Candidate> candidates = along_each(problem, at, loose);
     std::ranges::move(along_pairs(problem, at, loose), std::back_inserter(candidates));
     std::vector<Eigen::VectorXd> found;
-    for (const Eigen::VectorXd& place : best_apart(std::move(candidates), at.place))
+    for (const Eigen::VectorXd& place : best_apart(std::move(candidates), at))
       found.push_back(problem.search(place, kFewSteps));
     const std::vector<Candidate> lower = with_costs(problem, found);
     const auto best = std::ranges::min_element(lower, {}, &Candidate::cost);
@@ -276,8 +284,8 @@ Eigen::VectorXd find_lower(const ListeningProblem& problem, const Eigen::VectorX
   return at.place;
 }
 
-/// Half widths of 95 % intervals of the places, infinite where the recordings tell nothing. The sandwich estimate of
-/// the covariance with groups of residuals that may depend on each other (P. J. Huber, Proc. 5th Berkeley Symp., 1967;
+/// Half widths of 95 % intervals of the places, infinite where the recordings tell nothing. Of two estimates of the
+/// variance the larger one: that of independent residuals, of eight levels one, and the sandwich estimate with groups of residuals that may depend on each other (P. J. Huber, Proc. 5th Berkeley Symp., 1967;
 /// K.-Y. Liang and S. L. Zeger, Biometrika 73, 1986).
 Eigen::VectorXd half_widths(const Residuals& residuals, const Eigen::MatrixXd& slopes) {
   constexpr double kLeastTold = 1e-6;  // of an eigenvalue, where all are 1 if no two numbers act alike
@@ -296,7 +304,8 @@ Eigen::VectorXd half_widths(const Residuals& residuals, const Eigen::MatrixXd& s
   const Eigen::MatrixXd bread = eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
   const Eigen::MatrixXd covariance = bread * (scores.transpose() * scores) * bread * (groups / freedom);
   const double quantile = boost::math::quantile(boost::math::students_t(freedom), 0.975);
-  Eigen::VectorXd widths = quantile * covariance.diagonal().cwiseSqrt().cwiseQuotient(scale);
+  const Eigen::VectorXd variance = covariance.diagonal().cwiseMax(bread.diagonal());
+  Eigen::VectorXd widths = quantile * variance.cwiseSqrt().cwiseQuotient(scale);
   for (Eigen::Index i = 0; i < open; ++i)
     for (Eigen::Index e = 0; e < open; ++e)
       if (told[i] == 0 || (eigen.eigenvalues()[e] <= kLeastTold && std::abs(eigen.eigenvectors()(i, e)) > 0.1))

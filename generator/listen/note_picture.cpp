@@ -30,10 +30,12 @@ double frequency_of(double mel) {
 /// Powers of the spectrum of windowed samples.
 class Spectrum {
  public:
-  explicit Spectrum(std::size_t window, std::size_t length) : window_(window), part_(length) {
-    for (std::size_t i = 0; i < window; ++i)
-      window_[i] = 0.5 - 0.5 * std::cos(2 * std::numbers::pi * (static_cast<double>(i) + 0.5) /
-                                        static_cast<double>(window));
+  /// later: the window begins by this part of a sample later, 0 to 1, so that spectra follow an onset without steps.
+  Spectrum(std::size_t window, std::size_t length, double later = 0) : window_(window), part_(length) {
+    for (std::size_t i = 0; i < window; ++i) {
+      const double phase = (static_cast<double>(i) + 1 - later) / static_cast<double>(window + 1);
+      window_[i] = 0.5 - 0.5 * std::cos(2 * std::numbers::pi * phase);
+    }
     fft_.SetFlag(Eigen::FFT<double>::HalfSpectrum);
   }
 
@@ -177,7 +179,8 @@ double onset_of(std::span<const double> samples, double sample_rate_hz) {
   }
   const double least = kOnset * std::ranges::max(sums);
   const auto found = std::ranges::find_if(sums, [&](double power) { return power >= least; });
-  return static_cast<double>(found - sums.begin()) / sample_rate_hz;
+  const double before = found == sums.begin() ? 0 : found[-1];
+  return (static_cast<double>(found - sums.begin()) - (*found - least) / (*found - before)) / sample_rate_hz;
 }
 
 NotePicture picture_of(std::span<const double> samples, double sample_rate_hz, double seconds, double depth_db,
@@ -185,11 +188,11 @@ NotePicture picture_of(std::span<const double> samples, double sample_rate_hz, d
   const std::size_t window = std::bit_ceil(static_cast<std::size_t>(0.75 * kWindow_s * sample_rate_hz));
   const auto hop = static_cast<std::ptrdiff_t>(window / 4);
   const std::vector<Band> bands = bands_of(sample_rate_hz, window);
-  const double onset_s = onset_of(samples, sample_rate_hz);
-  const auto begin = static_cast<std::ptrdiff_t>(std::llround((onset_s - kBefore_s) * sample_rate_hz));
+  const double exact_begin = (onset_of(samples, sample_rate_hz) - kBefore_s) * sample_rate_hz;
+  const auto begin = static_cast<std::ptrdiff_t>(std::floor(exact_begin));
   const auto end = std::min(std::ssize(samples), begin + static_cast<std::ptrdiff_t>(seconds * sample_rate_hz));
   NotePicture picture{static_cast<double>(hop) / sample_rate_hz, {}, {}, {}, {}};
-  Spectrum spectrum(window, window);
+  Spectrum spectrum(window, window, exact_begin - static_cast<double>(begin));
   for (const Band& band : bands) picture.band_hz.push_back(band.middle_hz);
   for (std::ptrdiff_t at = begin; at + static_cast<std::ptrdiff_t>(window) <= end; at += hop) {
     const std::vector<double>& power = spectrum.from(samples, at);

@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -55,15 +57,15 @@ const Known kKalimba{
     "Kalimba",
     R"({ "name": "kalimba", "bodies": [
     { "name": "tine", "bar": { "length_m": 0.0385, "mass_kg": 0.000967, "bending_stiffness_n_m2": @0,
-      "ends": ["clamped", "free"], "constant_loss_per_s": @1, "quadratic_loss_m2_per_s": 0.001 }, "max_modes": 4 },
-    { "name": "thumb", "mass_kg": 0.002 }],
-  "places": [{ "name": "struck", "body": "tine", "position_m": 0.03 }],
+      "ends": ["clamped", "free"], "constant_loss_per_s": @1, "quadratic_loss_m2_per_s": 0.0003 }, "max_modes": 4 },
+    { "name": "thumb", "mass_kg": 0.001 }],
+  "places": [{ "name": "struck", "body": "tine", "position_m": 0.0385 }],
   "contacts": [{ "name": "tip", "between": ["thumb", "struck"], "material": "felt_c4", "weight": @2, "gap_m": 0.001 }],
   "strikes": ["thumb"], "outputs": [{ "name": "tine", "velocity_m_per_s": "struck" }],
   "keys": [{ "key": 69, "event": "strike_thumb" }] })",
     {{"bodies[0].bar.bending_stiffness_n_m2", 0.0341, 0.025, 0.05, 1e-3},
      {"bodies[0].bar.constant_loss_per_s", 5, 1, 20, 0.03},
-     {"contacts[0].weight", 0.2, 0.05, 1, 0.05}},
+     {"contacts[0].weight", 0.5, 0.1, 2, 0.05}},
     {{69, 0.3}, {69, 0.9}, {69, 0.6, true}}};
 
 const Known kString{
@@ -170,7 +172,110 @@ TEST_P(FittedInstrument, HasTheNumbersOfTheRecordedOne) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Known, FittedInstrument, ::testing::Values(kKalimba, kString, kDrum),
-                         [](const auto& info) { return info.param.test; });
+                         [](const auto& known) { return known.param.test; });
+
+TEST(FitOfAnInstrument, WritesTheFileThatWasOpenWithItsCommentsAndDrawsAFigure) {
+  const Sandbox box;
+  record(box, kKalimba);
+  write_file(box / "open.json", "// My kalimba.\n" + kKalimba.with(true));
+  succeed(fitted(box, {"-o", "found.json", "--figure", "found.svg"}));
+  const std::string found = read_file(box / "found.json");
+  EXPECT_NE(found.find("contacts[0].weight"), found.npos);
+  EXPECT_NE(found.find("// My kalimba.\n{ \"name\": \"kalimba\""), found.npos) << found;
+  EXPECT_EQ(found.find("\"fit\""), found.npos) << found;
+  const std::string figure = read_file(box / "found.svg");
+  for (const char* word : {"note_0.wav", "note_2.wav, kept", "recorded", "before", "after"})
+    EXPECT_NE(figure.find(word), figure.npos) << word;
+}
+
+/// What is refused: the fit file, an instrument file if it is not the one of kKalimba, and the line.
+struct Bad {
+  std::string test, fit, beginning, says, instrument = {};
+};
+
+void PrintTo(const Bad& bad, std::ostream* stream) {
+  *stream << bad.test;
+}
+
+std::string fit_of(const std::string& recording, const std::string& more = "") {
+  return fmt::format(R"({{ "instrument": "open.json", "recordings": [{{ {} }}]{} }})", recording, more);
+}
+
+std::string with_stiffness(const std::string& number) {
+  Known known = kKalimba;
+  const std::string mark = "@0";
+  known.file.replace(known.file.find(mark), mark.size(), number);
+  return known.with(true);
+}
+
+std::vector<Bad> bad_fits() {
+  const std::string good = R"("file": "sine.wav", "key": 69, "velocity": 0.5)", fit = "my.fit.json: ";
+  const std::string stiffness = "open.json: bodies[0].bar.bending_stiffness_n_m2: ";
+  const auto of_file = [](const std::string& name) {
+    return fit_of(fmt::format(R"("file": "{}", "key": 69, "velocity": 0.5)", name));
+  };
+  return {
+      {"missing_file", of_file("none.wav"), fit + "recordings[0].file: none.wav: file: does not exist", ""},
+      {"no_sound", of_file("open.json"), "open.json: file: is no sound", ".wav"},
+      {"silent", of_file("silent.wav"), "silent.wav: samples: the recording is silent", "a struck note"},
+      {"clipped", of_file("clipped.wav"), "clipped.wav: samples: ", "below full scale"},
+      {"short", of_file("short.wav"), "short.wav: samples: end less than 0.05 s", "0.1 s or more"},
+      {"wrong_pitch", of_file("sine.wav"), "sine.wav: samples: the strongest partial, of 1234 Hz, is ", "wider bounds"},
+      {"unknown_key", fit_of(good, R"(, "rate": 1)"), fit + "rate: unknown key", "seconds"},
+      {"unknown_key_of_a_note", fit_of(good + R"(, "pitch": 440)"), fit + "recordings[0].pitch: unknown key", "velocity"},
+      {"no_recordings", R"({ "instrument": "open.json" })", fit + "recordings: missing", ""},
+      {"no_instrument", fmt::format(R"({{ "recordings": [{{ {} }}] }})", good), fit + "instrument: missing", ".json"},
+      {"all_kept", fit_of(good + R"(, "kept": true)"), fit + "recordings: all are kept", "one or more"},
+      {"kept_is_a_number", fit_of(good + R"(, "kept": 1)"), fit + "recordings[0].kept: is not true or false", ""},
+      {"kept_of_unknown_velocity", fit_of(R"("file": "sine.wav", "key": 69, "kept": true)"),
+       fit + "recordings[0].velocity: is not stated, but the recording is kept", "0.7"},
+      {"velocity_of_2", fit_of(R"("file": "sine.wav", "key": 69, "velocity": 2)"),
+       fit + "recordings[0].velocity: 2 is out of range", "0.01 to 1"},
+      {"velocity_up_to_2", fit_of(R"("file": "sine.wav", "key": 69, "velocity": { "fit": [0.1, 2] })"),
+       fit + "recordings[0].velocity: leaves its range", "0.01 to 1"},
+      {"silent_key", fit_of(R"("file": "sine.wav", "key": 70, "velocity": 0.5)"),
+       "open.json: keys: key 70 of sine.wav plays nothing", "inspect"},
+      {"unknown_output", fit_of(good, R"(, "output": "bridge")"), "open.json: outputs: 'bridge' is none of them",
+       "tine_velocity_m_per_s"},
+      {"unknown_gain", fit_of(good, R"(, "gain": "some")"), fit + "gain: 'some' is unknown", "each, common"},
+      {"no_open_number", fit_of(good), "open.json: instrument: has 0 open numbers", R"({"fit": [1, 2]})",
+       kKalimba.with(false)},
+      {"falling_bounds", fit_of(good), stiffness + "fit: 0.05 and 0.02 do not rise", "[1, 2]",
+       with_stiffness(R"({ "fit": [0.05, 0.02] })")},
+      {"one_bound", fit_of(good), stiffness + "fit: has 1 entry", "[1, 2]", with_stiffness(R"({ "fit": [0.05] })")},
+      {"start_beyond", fit_of(good), stiffness + "start: 1 is out of range", "0.02 to 0.05",
+       with_stiffness(R"({ "fit": [0.02, 0.05], "start": 1 })")},
+      {"unknown_key_of_a_number", fit_of(good), stiffness + "end: unknown key", "fit, start",
+       with_stiffness(R"({ "fit": [0.02, 0.05], "end": 1 })")},
+      {"start_out_of_reach", fit_of(good), "open.json: bodies[0].bar.bending_stiffness_n_m2: ", "",
+       with_stiffness(R"({ "fit": [-2, -1] })")},
+      {"instrument_is_no_json", fit_of(good), "open.json: ", "", "name"}};
+}
+
+class BadFitOfAnInstrument : public ::testing::TestWithParam<Bad> {};
+
+TEST_P(BadFitOfAnInstrument, IsRefusedInOneLineAndNothingIsWritten) {
+  const Bad& bad = GetParam();
+  const Sandbox box;
+  std::vector<double> sine, clipped;
+  for (int i = 0; i < kRate / 2; ++i) {
+    const double time_s = i / double(kRate);
+    sine.push_back(0.5 * std::exp(-6 * time_s) * std::sin(2 * std::numbers::pi * 1234 * time_s));
+    clipped.push_back(std::clamp(4 * sine.back(), -0.9, 0.9));
+  }
+  write_sound(box / "sine.wav", sine, kRate);
+  write_sound(box / "clipped.wav", clipped, kRate);
+  write_sound(box / "silent.wav", std::vector<double>(sine.size()), kRate);
+  write_sound(box / "short.wav", std::vector<double>(sine.begin(), sine.begin() + 400), kRate);
+  write_file(box / "open.json", bad.instrument.empty() ? kKalimba.with(true) : bad.instrument);
+  write_file(box / "my.fit.json", bad.fit);
+  const auto before = box.listing();
+  expect_refused(fitted(box, {"-o", "found.json", "--figure", "found.svg"}), bad.beginning, bad.says);
+  EXPECT_EQ(box.listing(), before);
+}
+
+INSTANTIATE_TEST_SUITE_P(Bad, BadFitOfAnInstrument, ::testing::ValuesIn(bad_fits()),
+                         [](const auto& bad) { return bad.param.test; });
 
 }  // namespace
 }  // namespace contactspline::testing
