@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// contactspline fit: from measurements to a material file.
+// contactspline fit: from measurements to a material file, and from recordings to an instrument file.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -14,34 +14,74 @@
 #include "generator/fit/fit.hpp"
 #include "generator/fit/fitted_material.hpp"
 #include "generator/fit/measurements_reader.hpp"
+#include "generator/listen/fitted_instrument.hpp"
+#include "generator/listen/instrument_fit.hpp"
 #include "generator/support/input_file.hpp"
 
 namespace contactspline {
+namespace {
 
-void fit(const FitOptions& options) {
-  if (!options.figure.empty()) (void)figure_format(options.figure);  // throws before the search
+/// What a fit makes: the file, a figure in a format, and what is printed.
+struct FitOutputs {
+  std::function<std::string()> text, printed;
+  std::function<std::string(FigureFormat)> figure;
+};
+
+// Throws before the search where nothing could be written.
+void require_fit_outputs(const FitOptions& options, const std::vector<std::string>& read) {
   const std::filesystem::path file = options.file;
-  const Measurements measured = parse_measurements(
-      read_input(file), options.file, [&](const std::string& path) { return read_input(file.parent_path() / path); });
-  std::vector<std::filesystem::path> inputs{file};
-  for (const std::string& path : measured.files) inputs.push_back(file.parent_path() / path);
-  std::vector<std::filesystem::path> outputs;
+  std::vector<std::filesystem::path> inputs{file}, outputs;
+  for (const std::string& path : read) inputs.push_back(file.parent_path() / path);
   for (const std::string& output : {options.output, options.figure})
     if (!output.empty()) outputs.emplace_back(output);
   require_writable(outputs, inputs, options.force);
   if (!options.figure.empty()) require_kind(options.figure, FigureKind::kFit, options.force);
   require_creatable(outputs);
+}
+
+void write_fit(const FitOptions& options, const FitOutputs& made) {
+  std::vector<OutputFile> files;
+  if (!options.output.empty()) files.push_back({options.output, made.text()});
+  if (!options.figure.empty()) files.push_back({options.figure, made.figure(figure_format(options.figure))});
+  write_files(files);
+  write_stdout(made.printed());
+}
+
+void fit_instrument(const FitOptions& options, const std::string& text, const ReadFile& read) {
+  const RecordedInstrument recorded = parse_recorded_instrument(text, options.file, read);
+  require_fit_outputs(options, recorded.files);
+  std::optional<WaitingLine> line;
+  const InstrumentFit found =
+      fit_instrument(recorded, read, [&](const std::string& what) { line.emplace(what); });
+  line.reset();
+  write_fit(options, {[&] { return instrument_text(found, recorded, mark()); },
+                      [&] { return options.json ? json_of(found, recorded) : report_of(found, recorded); },
+                      [&](FigureFormat format) { return figure_of(found, recorded, format); }});
+}
+
+void fit_material(const FitOptions& options, const std::string& text, const ReadFile& read) {
+  const Measurements measured = parse_measurements(text, options.file, read);
+  require_fit_outputs(options, measured.files);
   std::optional<WaitingLine> line;
   const Fit found = fit_material(measured, options.file, [&](const std::string& what) { line.emplace(what); });
   line.reset();
-  std::vector<OutputFile> files;
-  if (!options.output.empty()) files.push_back({options.output, material_text(found, measured, mark())});
-  if (!options.figure.empty())
-    files.push_back(
-        {options.figure, figure_of(found, measured.description.empty() ? measured.name : measured.description,
-                                   figure_format(options.figure))});
-  write_files(files);
-  write_stdout(options.json ? json_of(found, measured) : report_of(found, measured));
+  const std::string& title = measured.description.empty() ? measured.name : measured.description;
+  write_fit(options, {[&] { return material_text(found, measured, mark()); },
+                      [&] { return options.json ? json_of(found, measured) : report_of(found, measured); },
+                      [&](FigureFormat format) { return figure_of(found, title, format); }});
+}
+
+}  // namespace
+
+void fit(const FitOptions& options) {
+  if (!options.figure.empty()) (void)figure_format(options.figure);  // throws before the search
+  const std::filesystem::path file = options.file;
+  const std::string text = read_input(file);
+  const ReadFile read = [&](const std::string& path) { return read_input(file.parent_path() / path); };
+  if (is_recorded_instrument(text, options.file))
+    fit_instrument(options, text, read);
+  else
+    fit_material(options, text, read);
 }
 
 }  // namespace contactspline

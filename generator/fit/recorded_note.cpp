@@ -31,7 +31,7 @@ double peak_of(const std::vector<double>& samples) {
 }
 
 // A converter that reaches its limit shows the same value for a while. So does the round top of a soft low note.
-void require_unsaturated(const Recording& recording, const std::string& file, double peak) {
+void require_unsaturated(const RecordedSound& recording, const std::string& file, double peak) {
   constexpr double kLoud = 0.5;
   constexpr std::size_t kRun = 5;
   std::size_t run = 0, longest = 0;
@@ -49,11 +49,10 @@ void require_unsaturated(const Recording& recording, const std::string& file, do
 /// The part of a recording that is looked at, with its window.
 class Window {
  public:
-  Window(const Recording& recording, const std::string& file, double lowest_hz)
+  Window(const RecordedSound& recording, const std::string& file, double lowest_hz)
       : rate_hz_(recording.sample_rate_hz), length_s_(std::max(kMinWindow_s, kMinPeriods / lowest_hz)) {
+    require_sounding(recording, file);
     const double peak = peak_of(recording.samples);
-    if (peak == 0) refuse(file, "samples", "the recording is silent", "a struck note");
-    require_unsaturated(recording, file, peak);
     const auto onset =
         std::ranges::find_if(recording.samples, [&](double sample) { return std::abs(sample) >= kOnset * peak; });
     const auto rest = static_cast<double>(recording.samples.end() - onset);
@@ -133,7 +132,13 @@ std::optional<double> level_of(const Window& window, const StruckResonator& stru
 
 }  // namespace
 
-std::vector<Blow::Level> levels_of(const Recording& recording, const std::string& file, const StruckResonator& struck,
+void require_sounding(const RecordedSound& recording, const std::string& file) {
+  const double peak = peak_of(recording.samples);
+  if (peak == 0) refuse(file, "samples", "the recording is silent", "a struck note");
+  require_unsaturated(recording, file, peak);
+}
+
+std::vector<Blow::Level> levels_of(const RecordedSound& recording, const std::string& file, const StruckResonator& struck,
                                    const std::optional<std::vector<std::size_t>>& partials) {
   const Window window(recording, file, struck.modes.front().frequency_hz());
   std::vector<Blow::Level> levels;

@@ -11,13 +11,16 @@
 
 namespace contactspline {
 
-struct Recording {
+struct RecordedSound {
   double sample_rate_hz;
   std::vector<double> samples;  ///< full scale is 1
 };
 
 /// Decodes a sound file of one channel: what libsndfile reads. Throws BadInput.
-[[nodiscard]] Recording read_recording(std::string_view bytes, const std::string& file);
+[[nodiscard]] RecordedSound read_recording(std::string_view bytes, const std::string& file);
+
+/// Throws BadInput if a recording is silent or saturated.
+void require_sounding(const RecordedSound& recording, const std::string& file);
 
 /// The levels of `partials` (places among the modes) or, without them, of all those with output that stand 20 dB out
 /// of what is beside them and below 0.45 of the sample rate. Each is measured at the peak of the spectrum within 3 %
@@ -25,7 +28,7 @@ struct Recording {
 /// mode, 0.1 s or more; and is counted back to the onset, where the sound first reaches a tenth of its peak, by the
 /// mode's decay. Throws BadInput if the recording is silent, saturated or too short, or if a chosen partial is not in
 /// it.
-[[nodiscard]] std::vector<Blow::Level> levels_of(const Recording& recording, const std::string& file,
+[[nodiscard]] std::vector<Blow::Level> levels_of(const RecordedSound& recording, const std::string& file,
                                                  const StruckResonator& struck,
                                                  const std::optional<std::vector<std::size_t>>& partials);
 

@@ -11,7 +11,7 @@
 
 namespace contactspline {
 
-Recording read_recording(std::string_view bytes, const std::string& file) {
+RecordedSound read_recording(std::string_view bytes, const std::string& file) {
   constexpr auto kAllowed = "a sound file of one channel, such as .wav or .flac";
   constexpr std::size_t kMaxSamples = 1 << 24;  // a small file may hold many equal ones
   MemorySound memory{std::string(bytes)};
@@ -19,7 +19,7 @@ Recording read_recording(std::string_view bytes, const std::string& file) {
   SndfileHandle sound(io, &memory);
   if (sound.error() != 0) refuse(file, "file", "is no sound that can be read", kAllowed);
   if (sound.channels() != 1) refuse(file, "channels", fmt::format("has {}", sound.channels()), kAllowed);
-  Recording recording{static_cast<double>(sound.samplerate()), {}};
+  RecordedSound recording{static_cast<double>(sound.samplerate()), {}};
   std::vector<double> block(4096);
   while (true) {
     const sf_count_t count = sound.read(block.data(), static_cast<sf_count_t>(block.size()));

@@ -5,7 +5,6 @@
 #include <map>
 #include <utility>
 
-#include "generator/spline/designed_materials.hpp"
 
 namespace contactspline {
 namespace {
@@ -22,8 +21,8 @@ constexpr double kStiffBristles_per_m = 1e6, kHairWidth_m = 0.01;
 /// Reads connections, kind after kind.
 class ConnectionReader {
  public:
-  ConnectionReader(InstrumentDraft& draft, const ReadFile& read, MovedMasses& masses)
-      : draft_(draft), model_(draft.model), materials_(read), masses_(masses) {}
+  ConnectionReader(InstrumentDraft& draft, DesignedMaterials& materials, MovedMasses& masses)
+      : draft_(draft), model_(draft.model), materials_(materials), masses_(masses) {}
 
   void read() {
     for (const JsonObject& contact :
@@ -173,7 +172,7 @@ class ConnectionReader {
 
   InstrumentDraft& draft_;
   InstrumentModel& model_;
-  DesignedMaterials materials_;
+  DesignedMaterials& materials_;
   MovedMasses& masses_;
   std::map<std::size_t, std::size_t> chains_;  // from a place to the next one that rigid links hold with it
   std::size_t connections_ = 0;
@@ -181,8 +180,8 @@ class ConnectionReader {
 
 }  // namespace
 
-void read_connections(InstrumentDraft& draft, const ReadFile& read, MovedMasses& masses) {
-  ConnectionReader(draft, read, masses).read();
+void read_connections(InstrumentDraft& draft, DesignedMaterials& materials, MovedMasses& masses) {
+  ConnectionReader(draft, materials, masses).read();
 }
 
 }  // namespace contactspline

@@ -4,11 +4,11 @@
 
 #include "generator/instrument/instrument_draft.hpp"
 #include "generator/instrument/moved_masses.hpp"
-#include "generator/material/contact_reader.hpp"
+#include "generator/spline/designed_materials.hpp"
 
 namespace contactspline {
 
-/// Reads `contacts`, `springs` and `links` between the places. `read` reads the materials that contacts name.
-void read_connections(InstrumentDraft& draft, const ReadFile& read, MovedMasses& masses);
+/// Reads `contacts`, `springs` and `links` between the places. `materials` has those that contacts name.
+void read_connections(InstrumentDraft& draft, DesignedMaterials& materials, MovedMasses& masses);
 
 }  // namespace contactspline

@@ -38,6 +38,12 @@ void read_names(InstrumentDraft& draft) {
 }  // namespace
 
 InstrumentModel parse_instrument(std::string_view text, std::string_view file, const ReadFile& read) {
+  DesignedMaterials materials(read);
+  return parse_instrument(text, file, read, materials);
+}
+
+InstrumentModel parse_instrument(std::string_view text, std::string_view file, const ReadFile& read,
+                                 DesignedMaterials& materials) {
   const JsonObject json =
       parse_json(text, file, "instrument",
                  {"name", "description", "license", "bodies", "places", "contacts", "springs", "links", "frictions",
@@ -46,7 +52,7 @@ InstrumentModel parse_instrument(std::string_view text, std::string_view file, c
   MovedMasses masses(draft);
   read_names(draft);
   read_bodies(draft, read);
-  read_connections(draft, read, masses);
+  read_connections(draft, materials, masses);
   read_controls(draft, masses);
   read_keys(draft);
   read_outputs(draft);

@@ -6,6 +6,7 @@
 
 #include "generator/instrument/instrument.hpp"
 #include "generator/material/contact_reader.hpp"
+#include "generator/spline/designed_materials.hpp"
 
 namespace contactspline {
 
@@ -13,5 +14,9 @@ namespace contactspline {
 /// only; `read` reads the materials and resonators that it names. Throws BadInput.
 [[nodiscard]] InstrumentModel parse_instrument(std::string_view text, std::string_view file,
                                                const ReadFile& read = shipped_file);
+
+/// The same with materials that several files have in common.
+[[nodiscard]] InstrumentModel parse_instrument(std::string_view text, std::string_view file, const ReadFile& read,
+                                               DesignedMaterials& materials);
 
 }  // namespace contactspline

@@ -95,12 +95,18 @@ InstrumentMaker maker_of_keyboard(const std::string& keyboard, const std::string
 }
 
 InstrumentMaker maker_of_text(std::string_view text, const std::string& file, const ReadFile& read) {
+  DesignedMaterials materials(read);
+  return maker_of_text(text, file, read, materials);
+}
+
+InstrumentMaker maker_of_text(std::string_view text, const std::string& file, const ReadFile& read,
+                              DesignedMaterials& materials) {
   const auto kind = kind_of_file(text, file, "instrument");
   if (kind && *kind != Shipped::kInstruments)
     refuse(file, "file", fmt::format("is a {}", kind_name(*kind)), "an instrument");
   Voice voice;
   voice.name = file;
-  voice.model = parse_instrument(text, file, read);
+  voice.model = parse_instrument(text, file, read, materials);
   return maker_of_voice(Model::kFile, std::move(voice));
 }
 

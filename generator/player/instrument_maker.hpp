@@ -11,6 +11,7 @@
 #include "contactspline/host/any_instrument.hpp"
 #include "generator/material/contact_reader.hpp"
 #include "generator/player/score.hpp"
+#include "generator/spline/designed_materials.hpp"
 #include "generator/support/json_reader.hpp"
 
 namespace contactspline {
@@ -52,6 +53,10 @@ struct InstrumentMaker {
 /// The instrument of the text of a file. `file` stands in messages; `read` reads what the text names. Throws
 /// BadInput.
 [[nodiscard]] InstrumentMaker maker_of_text(std::string_view text, const std::string& file, const ReadFile& read);
+
+/// The same with materials that several files have in common.
+[[nodiscard]] InstrumentMaker maker_of_text(std::string_view text, const std::string& file, const ReadFile& read,
+                                            DesignedMaterials& materials);
 
 /// The instrument that ships under a name, or nothing.
 [[nodiscard]] std::optional<InstrumentMaker> maker_of_shipped(const std::string& name);

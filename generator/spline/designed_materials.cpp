@@ -10,6 +10,7 @@ namespace contactspline {
 const DesignedMaterials::Entry& DesignedMaterials::of(const JsonObject& object) {
   const NamedText named = read_named(object, "material", Shipped::kMaterials, read_);
   const std::pair key(named.file, named.ships);
+  const std::lock_guard lock(mutex_);
   if (const auto found = entries_.find(key); found != entries_.end()) return found->second;
   // A material's curve lies beside the material, wherever the naming file is.
   Material material = parse_material(named.text, named.file, reader_beside(named, read_));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,7 +15,7 @@
 
 namespace contactspline {
 
-/// Designs each material once, however often it is named.
+/// Designs each material once, however often it is named. Several threads may ask.
 class DesignedMaterials {
  public:
   struct Entry {
@@ -30,6 +31,7 @@ class DesignedMaterials {
 
  private:
   const ReadFile& read_;
+  std::mutex mutex_;
   std::map<std::pair<std::string, bool>, Entry> entries_;
 };
 

@@ -25,8 +25,8 @@ StruckResonator resonator() {
 }
 
 // Partials of these amplitudes, 0.3 % sharp, from 20 ms on.
-Recording note(const std::vector<double>& amplitudes, double seconds = 0.4) {
-  Recording recording{kRate, std::vector<double>(static_cast<std::size_t>(seconds * kRate))};
+RecordedSound note(const std::vector<double>& amplitudes, double seconds = 0.4) {
+  RecordedSound recording{kRate, std::vector<double>(static_cast<std::size_t>(seconds * kRate))};
   const StruckResonator struck = resonator();
   for (std::size_t n = 882; n < recording.samples.size(); ++n)
     for (std::size_t i = 0; i < amplitudes.size(); ++i) {
@@ -43,7 +43,7 @@ Partials only(const std::vector<std::size_t>& partials) {
   return partials;
 }
 
-void expect_refused(const Recording& recording, const std::string& says, const Partials& partials = {}) {
+void expect_refused(const RecordedSound& recording, const std::string& says, const Partials& partials = {}) {
   try {
     (void)levels_of(recording, "note.wav", resonator(), partials);
     ADD_FAILURE() << "not refused: " << says;
@@ -70,7 +70,7 @@ TEST(RecordedNote, IsRefusedIfItCannotBeMeasured) {
   expect_refused(note({0.3}, 0.1), "samples: 0.08 s remain from the onset on");
   expect_refused(note({0.3, 0.1}), "partials: partial 3 of 3488 Hz does not stand out", only({2}));
   expect_refused(note({0.3}), "partials: partial 4 of 23000 Hz is above 0.45 of the sample rate", only({3}));
-  Recording loud = note({2.0});
+  RecordedSound loud = note({2.0});
   for (double& sample : loud.samples) sample = std::clamp(sample, -1.0, 1.0);
   expect_refused(loud, "samples: ");
 }

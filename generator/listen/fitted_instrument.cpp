@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#include "generator/listen/fitted_instrument.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <vector>
+
+#include "generator/support/number_literal.hpp"
+
+namespace contactspline {
+namespace {
+
+constexpr int kDigits = 6;
+
+std::string words_of(const FoundNumber& number) {
+  if (!number.is_told) return "; the recordings do not tell it";
+  return fmt::format("; 95 % interval {:.5g} to {:.5g}{}", number.low, number.high,
+                     number.is_at_bound ? "; at its bound" : "");
+}
+
+std::string json_of(const NoteDistance& distance) {
+  return fmt::format(R"({{ "level_db": {}, "cents": {} }})", distance.level_db, distance.cents);
+}
+
+}  // namespace
+
+std::string report_of(const InstrumentFit& fit, const RecordedInstrument& recorded) {
+  std::string text;
+  for (std::size_t i = 0; i < fit.numbers.size(); ++i)
+    text += fmt::format("  {:<44} {:.5g}{}\n", recorded.open[i].key, fit.numbers[i].value, words_of(fit.numbers[i]));
+  text += "distance before and after: of levels by band and time [dB], of partials [cents]\n";
+  for (std::size_t n = 0; n < fit.notes.size(); ++n) {
+    const auto& [before, after] = std::tie(fit.notes[n].before, fit.notes[n].after);
+    text += fmt::format("  {:<36} {:<7} {:>6.2f} {:>6.2f} dB {:>7.1f} {:>6.1f} cents\n", shown(recorded.notes[n].file),
+                        recorded.notes[n].is_kept ? "kept" : "fitted", before.level_db, after.level_db, before.cents,
+                        after.cents);
+  }
+  return text;
+}
+
+std::string json_of(const InstrumentFit& fit, const RecordedInstrument& recorded) {
+  std::vector<std::string> numbers, notes;
+  for (std::size_t i = 0; i < fit.numbers.size(); ++i)
+    numbers.push_back(fmt::format(R"(    {}: {{ "value": {}, "low": {}, "high": {}, "at_bound": {}, "told": {} }})",
+                                  json_string(recorded.open[i].key), fit.numbers[i].value, fit.numbers[i].low,
+                                  fit.numbers[i].high, fit.numbers[i].is_at_bound, fit.numbers[i].is_told));
+  for (std::size_t n = 0; n < fit.notes.size(); ++n)
+    notes.push_back(fmt::format(R"(    {{ "file": {}, "kept": {}, "before": {}, "after": {} }})",
+                                json_string(recorded.notes[n].file), recorded.notes[n].is_kept,
+                                json_of(fit.notes[n].before), json_of(fit.notes[n].after)));
+  return fmt::format("{{\n  \"estimates\": {{\n{}\n  }},\n  \"recordings\": [\n{}\n  ]\n}}\n", fmt::join(numbers, ",\n"),
+                     fmt::join(notes, ",\n"));
+}
+
+std::string instrument_text(const InstrumentFit& fit, const RecordedInstrument& recorded, std::string_view mark) {
+  std::string text = fmt::format("// {}: fitted to recordings.\n// ", mark), report = report_of(fit, recorded);
+  report.pop_back();
+  for (const char c : report) text += c == '\n' ? "\n// " : std::string(1, c);
+  std::vector<double> numbers;
+  for (std::size_t i = 0; i < recorded.open_in_text; ++i) numbers.push_back(rounded_to(fit.numbers[i].value, kDigits));
+  return text + "\n" + filled(recorded.text, std::span(recorded.open).first(recorded.open_in_text), numbers);
+}
+
+}  // namespace contactspline

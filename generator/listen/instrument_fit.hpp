@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// The fit of an instrument's open numbers to recordings of its notes.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "generator/listen/note_picture.hpp"
+#include "generator/listen/recorded_instrument.hpp"
+
+namespace contactspline {
+
+/// A number that was found, with its 95 % interval.
+struct FoundNumber {
+  double value, low, high;
+  bool is_at_bound = false;
+  bool is_told = true;  ///< do the recordings tell it? Else the interval is all that is allowed
+};
+
+/// How far a recording is from what is rendered.
+struct NoteDistance {
+  double level_db;  ///< mean of the absolute differences of level
+  double cents;     ///< median of those of the partials; 0 where the recording has none
+};
+
+struct FittedNote {
+  NoteDistance before, after;
+  NotePicture recorded, started, found;  ///< the rendered ones with their gain
+};
+
+struct InstrumentFit {
+  std::vector<FoundNumber> numbers;  ///< of each open one
+  std::vector<FittedNote> notes;     ///< of each recording
+};
+
+/// Searches the open numbers by least squares from several starts (docs/how-to/fit.md). `tell` hears what is done now.
+/// Throws BadInput where the instrument cannot be made or played at the start, or where the strongest partial of a
+/// recording is 80 cents or more from what was found.
+[[nodiscard]] InstrumentFit fit_instrument(const RecordedInstrument& recorded, const ReadFile& read,
+                                           const std::function<void(const std::string&)>& tell);
+
+}  // namespace contactspline

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+#include "generator/listen/note_renderer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <filesystem>
+#include <thread>
+
+#include "contactspline/host/any_instrument.hpp"
+#include "generator/player/instrument_maker.hpp"
+#include "generator/player/playing.hpp"
+#include "generator/support/error.hpp"
+#include "generator/support/task_pool.hpp"
+
+namespace contactspline {
+namespace {
+
+constexpr double kDepth_db = 80;
+constexpr std::size_t kMaxPartials = 60;
+constexpr double kMostBefore_s = 0.1;  // until what strikes is there
+
+// Where outputs have this name, or its beginning as `render --signal` takes it.
+std::size_t output_of(const AnyInstrument<double>& instrument, const RecordedInstrument& recorded) {
+  if (recorded.output.empty()) return 0;
+  std::string names;
+  for (std::size_t i = 0; i < instrument.outputs().size(); ++i) {
+    const std::string name = instrument.outputs()[i].name;
+    if (name == recorded.output || name.starts_with(recorded.output + "_")) return i;
+    names += (i > 0 ? ", " : "") + name;
+  }
+  refuse(recorded.file, "outputs", fmt::format("'{}' is none of them", shown(recorded.output)), names);
+}
+
+InstrumentMaker maker_of(const RecordedInstrument& recorded, const ReadFile& read, DesignedMaterials& materials,
+                         const std::vector<double>& point) {
+  const std::span<const OpenNumber> open = std::span(recorded.open).first(recorded.open_in_text);
+  return maker_of_text(filled(recorded.text, open, point), recorded.file, read, materials);
+}
+
+NotePicture play(const InstrumentMaker& maker, const RecordedInstrument& recorded, const RecordedKey& note,
+                 const std::vector<double>& point) {
+  const double rate_hz = note.recording.sample_rate_hz;
+  const auto instrument = maker.make<double>(rate_hz);
+  instrument->prepare(rate_hz);
+  if (!instrument->has_key(note.key))
+    refuse(recorded.file, "keys", fmt::format("key {} of {} plays nothing", note.key, note.file),
+           "a key that `contactspline inspect` lists");
+  const double velocity = note.open_velocity ? point[*note.open_velocity] : note.velocity;
+  const TimedEvent event{0, Action::kNoteOn, static_cast<std::size_t>(note.key), velocity, 0};
+  const double length_s = kMostBefore_s + recorded.seconds;
+  std::vector<double> samples(static_cast<std::size_t>(length_s * rate_hz));
+  Recording<double> into;
+  into.outputs.resize(instrument->outputs().size());
+  into.outputs[output_of(*instrument, recorded)] = samples;
+  render<double>(*instrument, std::span(&event, 1), samples.size(), into, [] {});
+  if (std::ranges::all_of(samples, [](double sample) { return sample == 0; }))
+    refuse(recorded.file, "outputs", fmt::format("key {} of {} is silent", note.key, note.file), "an output that sounds");
+  return picture_of(samples, rate_hz, recorded.seconds, kDepth_db, kMaxPartials);
+}
+
+void run_on_all_cores(std::size_t tasks, const std::function<void(std::size_t)>& task) {
+  std::atomic<bool> is_stopped = false;
+  run_tasks(tasks, std::max(1u, std::thread::hardware_concurrency()), task, [](std::size_t) {}, is_stopped);
+}
+
+}  // namespace
+
+NoteRenderer::NoteRenderer(const RecordedInstrument& recorded, const ReadFile& read)
+    : recorded_(recorded),
+      read_([&](const std::string& path) {
+        return read((std::filesystem::path(recorded.file).parent_path() / path).string());
+      }),
+      materials_(std::make_unique<DesignedMaterials>(read_)) {}
+
+std::vector<RenderedNotes> NoteRenderer::render(std::span<const std::vector<double>> points,
+                                                std::span<const std::size_t> notes) const {
+  std::vector<std::optional<InstrumentMaker>> makers(points.size());
+  run_on_all_cores(points.size(), [&](std::size_t p) {
+    try {
+      makers[p] = maker_of(recorded_, read_, *materials_, points[p]);
+    } catch (const BadInput&) {
+    }
+  });
+  std::vector<std::optional<NotePicture>> pictures(points.size() * notes.size());
+  run_on_all_cores(pictures.size(), [&](std::size_t i) {
+    const std::size_t p = i / notes.size();
+    if (!makers[p]) return;
+    try {
+      pictures[i] = play(*makers[p], recorded_, recorded_.notes[notes[i % notes.size()]], points[p]);
+    } catch (const BadInput&) {
+    } catch (const NotFinite&) {
+    }
+  });
+  std::vector<RenderedNotes> rendered(points.size());
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const auto of_point = std::span(pictures).subspan(p * notes.size(), notes.size());
+    if (!std::ranges::all_of(of_point, [](const auto& picture) { return picture.has_value(); })) continue;
+    rendered[p].emplace();
+    for (auto& picture : of_point) rendered[p]->push_back(std::move(*picture));
+  }
+  return rendered;
+}
+
+std::vector<NotePicture> NoteRenderer::render_one(const std::vector<double>& point,
+                                                  std::span<const std::size_t> notes) const {
+  const InstrumentMaker maker = maker_of(recorded_, read_, *materials_, point);
+  std::vector<NotePicture> pictures(notes.size());
+  run_on_all_cores(notes.size(), [&](std::size_t i) {
+    pictures[i] = play(maker, recorded_, recorded_.notes[notes[i]], point);
+  });
+  return pictures;
+}
+
+}  // namespace contactspline

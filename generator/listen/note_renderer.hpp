@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+// Renders the notes of a recorded instrument with numbers in place of its open ones, as pictures.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "generator/listen/note_picture.hpp"
+#include "generator/listen/recorded_instrument.hpp"
+#include "generator/spline/designed_materials.hpp"
+
+namespace contactspline {
+
+/// The pictures of all notes with the same numbers; nothing where the instrument cannot be made or played with them.
+using RenderedNotes = std::optional<std::vector<NotePicture>>;
+
+class NoteRenderer {
+ public:
+  /// Both must outlive it.
+  NoteRenderer(const RecordedInstrument& recorded, const ReadFile& read);
+
+  /// The pictures of these notes with each of the points, on all cores. A point has a number for each open one. Notes
+  /// have the rate of their recording.
+  [[nodiscard]] std::vector<RenderedNotes> render(std::span<const std::vector<double>> points,
+                                                  std::span<const std::size_t> notes) const;
+
+  /// The same with one point. Throws BadInput where the instrument cannot be made, a key does not play, or what is
+  /// rendered is silent.
+  [[nodiscard]] std::vector<NotePicture> render_one(const std::vector<double>& point,
+                                                    std::span<const std::size_t> notes) const;
+
+ private:
+  const RecordedInstrument& recorded_;
+  ReadFile read_;  ///< beside the instrument file
+  std::unique_ptr<DesignedMaterials> materials_;
+};
+
+}  // namespace contactspline

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+#include "generator/listen/open_numbers.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "generator/support/error.hpp"
+
+namespace contactspline {
+namespace {
+
+const std::vector<std::string> kOpenKeys{"fit", "start"};
+
+/// Walks through a text of JSON whose syntax is right, and knows the path of each object.
+class OpenNumberFinder {
+ public:
+  OpenNumberFinder(std::string_view text, const std::string& file) : text_(text), file_(file) {}
+
+  std::vector<OpenNumber> find() {
+    for (skip_blanks(); at_ < text_.size(); skip_blanks()) take();
+    return std::move(found_);
+  }
+
+ private:
+  struct Level {
+    std::string key;
+    int index = -1;  ///< of the next entry; -1: an object
+  };
+
+  void take() {
+    const char c = text_[at_];
+    if (c == '"') return take_string();
+    ++at_;
+    if (c == '{' && is_open()) return take_open(at_ - 1);
+    if (c == '{' || c == '[') levels_.push_back({"", c == '[' ? 0 : -1});
+    if (c == '}' || c == ']') levels_.pop_back();
+    if (c == ',' && !levels_.empty() && levels_.back().index >= 0) ++levels_.back().index;
+  }
+
+  // A key or a value: of an object the last one before its colon counts.
+  void take_string() {
+    const std::size_t begin = ++at_;
+    while (text_[at_] != '"') at_ += text_[at_] == '\\' ? 2 : 1;
+    std::string content(text_.substr(begin, at_++ - begin));
+    skip_blanks();
+    if (at_ < text_.size() && text_[at_] == ':') levels_.back().key = std::move(content);
+  }
+
+  // Behind a brace: does the object there have the key of an open number first?
+  bool is_open() {
+    if (levels_.empty()) return false;
+    const std::size_t behind = at_;
+    skip_blanks();
+    bool is = false;
+    for (const std::string& key : kOpenKeys) is |= text_.substr(at_).starts_with(fmt::format("\"{}\"", key));
+    at_ = behind;
+    return is;
+  }
+
+  void take_open(std::size_t begin) {
+    while (text_[at_] != '}') {
+      at_ += text_[at_] == '"' ? 0 : 1;
+      if (text_[at_] == '"') at_ = text_.find('"', at_ + 1) + 1;
+      skip_blanks();
+    }
+    ++at_;
+    const std::string key = path();
+    const JsonObject open =
+        parse_json(text_.substr(begin, at_ - begin), fmt::format("{}: {}", file_, key), "number", kOpenKeys);
+    found_.push_back(read_open_number(open, key));
+    found_.back().begin = begin;
+    found_.back().end = at_;
+  }
+
+  void skip_blanks() {
+    while (at_ < text_.size()) {
+      if (text_.substr(at_).starts_with("//"))
+        at_ = std::min(text_.find('\n', at_), text_.size());
+      else if (text_.substr(at_).starts_with("/*"))
+        at_ = text_.find("*/", at_) + 2;
+      else if (std::string_view(" \t\r\n").find(text_[at_]) == std::string_view::npos)
+        return;
+      else
+        ++at_;
+    }
+  }
+
+  [[nodiscard]] std::string path() const {
+    std::string path;
+    for (const auto& [key, index] : levels_)
+      path += index >= 0 ? fmt::format("[{}]", index) : (path.empty() ? "" : ".") + shown(key);
+    return path;
+  }
+
+  std::string_view text_;
+  const std::string& file_;
+  std::size_t at_ = 0;
+  std::vector<Level> levels_;
+  std::vector<OpenNumber> found_;
+};
+
+}  // namespace
+
+double OpenNumber::at(double part) const {
+  if (bounds.min > 0) return bounds.min * std::pow(bounds.max / bounds.min, part);
+  return bounds.min + (bounds.max - bounds.min) * part;
+}
+
+double OpenNumber::part_of(double number) const {
+  if (bounds.min > 0) return std::log(number / bounds.min) / std::log(bounds.max / bounds.min);
+  return (number - bounds.min) / (bounds.max - bounds.min);
+}
+
+OpenNumber read_open_number(const JsonObject& open, const std::string& key) {
+  constexpr Range kAny{-1e300, 1e300};
+  constexpr auto kAllowed = "two rising numbers, such as [1, 2]";
+  const std::vector<double> bounds = open.numbers("fit", kAny, 2);
+  if (bounds.size() != 2) open.fail(open.key("fit"), "has 1 entry", kAllowed);
+  if (!(bounds[0] < bounds[1]))
+    open.fail(open.key("fit"), fmt::format("{} and {} do not rise", bounds[0], bounds[1]), kAllowed);
+  OpenNumber number{key, {bounds[0], bounds[1]}, 0};
+  number.start = open.has("start") ? open.number("start", number.bounds) : number.at(0.5);
+  return number;
+}
+
+std::vector<OpenNumber> open_numbers(std::string_view text, const std::string& file) {
+  (void)json_keys(text, file, "instrument");
+  return OpenNumberFinder(text, file).find();
+}
+
+std::string filled(std::string_view text, std::span<const OpenNumber> open, std::span<const double> numbers) {
+  std::string result;
+  std::size_t behind = 0;
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    result += text.substr(behind, open[i].begin - behind);
+    result += fmt::format("{}", numbers[i]);
+    behind = open[i].end;
+  }
+  return result.append(text.substr(behind));
+}
+
+}  // namespace contactspline

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: MIT
+// contactspline fit of whole instruments: numbers of known instruments come back from their rendered notes with noise
+// and a room, what was not fitted comes nearer, and what cannot be fitted is refused in one line.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "program.hpp"
+#include "sandbox.hpp"
+#include "sound.hpp"
+
+namespace contactspline::testing {
+namespace {
+
+/// A number of an instrument that is left open: its path, what it is, and how well the fit must find it.
+struct Open {
+  std::string key;
+  double truth, min, max, error;
+};
+
+struct Note {
+  int key;
+  double velocity;
+  bool is_kept = false;
+};
+
+/// An instrument file with @0, @1, ... in place of its open numbers.
+struct Known {
+  std::string test, file;
+  std::vector<Open> open;
+  std::vector<Note> notes;
+
+  [[nodiscard]] std::string with(bool is_open) const {
+    std::string text = file;
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      const std::string mark = fmt::format("@{}", i);
+      const std::string number = is_open ? fmt::format(R"({{ "fit": [{}, {}] }})", open[i].min, open[i].max)
+                                         : fmt::format("{}", open[i].truth);
+      for (auto at = text.find(mark); at != text.npos; at = text.find(mark)) text.replace(at, mark.size(), number);
+    }
+    return text;
+  }
+};
+
+void PrintTo(const Known& known, std::ostream* stream) {
+  *stream << known.test;
+}
+
+const Known kKalimba{
+    "Kalimba",
+    R"({ "name": "kalimba", "bodies": [
+    { "name": "tine", "bar": { "length_m": 0.0385, "mass_kg": 0.000967, "bending_stiffness_n_m2": @0,
+      "ends": ["clamped", "free"], "constant_loss_per_s": @1, "quadratic_loss_m2_per_s": 0.0003 }, "max_modes": 4 },
+    { "name": "thumb", "mass_kg": 0.001 }],
+  "places": [{ "name": "struck", "body": "tine", "position_m": 0.0385 }],
+  "contacts": [{ "name": "tip", "between": ["thumb", "struck"], "material": "felt_c4", "weight": @2, "gap_m": 0.001 }],
+  "strikes": ["thumb"], "outputs": [{ "name": "tine", "velocity_m_per_s": "struck" }],
+  "keys": [{ "key": 69, "event": "strike_thumb" }] })",
+    {{"bodies[0].bar.bending_stiffness_n_m2", 0.0341, 0.025, 0.05, 1e-3},
+     {"bodies[0].bar.constant_loss_per_s", 5, 1, 20, 0.03},
+     {"contacts[0].weight", 0.5, 0.1, 2, 0.05}},
+    {{69, 0.3}, {69, 0.9}, {69, 0.6, true}}};
+
+const Known kString{
+    "String",
+    R"({ "name": "zither", "bodies": [
+    { "name": "string", "string": { "length_m": 0.62, "mass_kg": 0.00393, "tension_n": @0,
+      "bending_stiffness_n_m2": 0.0098, "constant_loss_per_s": 1, "quadratic_loss_m2_per_s": @1 }, "max_modes": 30 },
+    { "name": "hammer", "mass_kg": 0.003 }],
+  "places": [{ "name": "struck", "body": "string", "position_m": @2 }],
+  "contacts": [{ "name": "felt", "between": ["hammer", "struck"], "material": "felt_c4", "gap_m": 0.001 }],
+  "strikes": ["hammer"], "outputs": [{ "name": "bridge", "end_force_n": "string" }],
+  "keys": [{ "first": 55, "last": 65, "event": "strike_hammer", "tuned_key": 60 }] })",
+    {{"bodies[0].string.tension_n", 670, 550, 800, 1e-3},
+     {"bodies[0].string.quadratic_loss_m2_per_s", 3e-4, 5e-5, 1e-3, 0.05},
+     {"places[0].position_m", 0.074, 0.05, 0.11, 0.02}},
+    {{60, 0.3}, {60, 0.9}, {55, 0.6, true}}};
+
+const Known kDrum{
+    "Drum",
+    R"({ "name": "drum", "bodies": [
+    { "name": "head", "membrane": { "radius_m": 0.16, "mass_per_area_kg_m2": 0.3, "tension_n_per_m": @0,
+      "constant_loss_per_s": 6, "quadratic_loss_m2_per_s": @1 }, "max_modes": 40 },
+    { "name": "stick", "mass_kg": 0.02 }],
+  "places": [{ "name": "struck", "body": "head", "position_m": @2 }],
+  "contacts": [{ "name": "tip", "between": ["stick", "struck"], "material": "felt_over_wood", "gap_m": 0.004 }],
+  "strikes": ["stick"], "outputs": [{ "name": "microphone", "pressure_pa": "head", "distance_m": 0.5 }],
+  "keys": [{ "key": 45, "event": "strike_stick" }] })",
+    {{"bodies[0].membrane.tension_n_per_m", 1500, 900, 2500, 1e-3},
+     {"bodies[0].membrane.quadratic_loss_m2_per_s", 3e-3, 1e-3, 1e-2, 0.05},
+     {"places[0].position_m", 0.05, 0.02, 0.1, 0.02}},
+    {{45, 0.3}, {45, 0.9}, {45, 0.6, true}}};
+
+// A room of 0.2 s, 50 dB softer than the note, and noise 60 dB below its peak.
+std::vector<double> in_a_room(const std::vector<double>& dry, int rate, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  const auto length = static_cast<std::size_t>(0.2 * rate);
+  std::vector<double> room, wet = dry;
+  double squares = 0, peak = 0;
+  for (std::size_t i = 0; i < length; ++i) {
+    room.push_back(i % 16 == 0 ? normal(random) * std::pow(10, -3.0 * double(i) / double(length)) : 0);
+    squares += room.back() * room.back();
+  }
+  for (const double sample : dry) peak = std::max(peak, std::abs(sample));
+  for (std::size_t k = 0; k < length; k += 16)
+    for (std::size_t i = k; i < wet.size(); ++i) wet[i] += 0.0032 * room[k] / std::sqrt(squares) * dry[i - k];
+  for (double& sample : wet) sample = 0.5 / peak * (sample + 1e-3 * peak * normal(random));
+  return wet;
+}
+
+void write_sound(const fs::path& path, std::vector<double> samples, int rate) {
+  SndfileHandle file(path.string(), SFM_WRITE, SF_FORMAT_WAV | SF_FORMAT_PCM_16, 1, rate);
+  ASSERT_EQ(file.write(samples.data(), static_cast<sf_count_t>(samples.size())), std::ssize(samples));
+}
+
+constexpr int kRate = 22050;
+
+// The notes as they would be recorded, and a fit file that names them.
+void record(const Sandbox& box, const Known& known, const std::string& more = "") {
+  write_file(box / "true.json", known.with(false));
+  write_file(box / "open.json", known.with(true));
+  std::string recordings;
+  for (std::size_t n = 0; n < known.notes.size(); ++n) {
+    const auto& [key, velocity, is_kept] = known.notes[n];
+    write_file(box / "score.json",
+               fmt::format(R"({{ "instrument": "true.json", "duration_s": 0.9,
+                                 "events": [{{ "time_s": 0.2, "key": {}, "velocity": {} }}] }})",
+                           key, velocity));
+    succeed(run({.arguments = {"render", "score.json", "--no-figure", "--rate", fmt::format("{}", kRate), "-o", "dry.wav"},
+                 .folder = box.path()}));
+    const std::string name = fmt::format("note_{}.wav", n);
+    write_sound(box / name, in_a_room(read_sound(box / "dry.wav").samples, kRate, static_cast<unsigned>(n + 1)), kRate);
+    recordings += fmt::format(R"({}{{ "file": "{}", "key": {}, "velocity": {}, "kept": {} }})", n > 0 ? ", " : "", name,
+                              key, velocity, is_kept);
+  }
+  write_file(box / "my.fit.json", fmt::format(R"({{ "instrument": "open.json", "recordings": [{}], "seconds": 0.5{} }})",
+                                              recordings, more));
+}
+
+Outcome fitted(const Sandbox& box, const Words& more = {}) {
+  return run({.arguments = followed_by({"fit", "my.fit.json", "--json"}, more), .folder = box.path()});
+}
+
+class FittedInstrument : public ::testing::TestWithParam<Known> {};
+
+TEST_P(FittedInstrument, HasTheNumbersOfTheRecordedOne) {
+  const Known& known = GetParam();
+  const Sandbox box;
+  record(box, known);
+  const auto fit = nlohmann::json::parse(succeed(fitted(box, {"-o", "found.json"})));
+  for (const Open& open : known.open) {
+    const auto& found = fit.at("estimates").at(open.key);
+    EXPECT_NEAR(found.at("value").get<double>() / open.truth, 1, open.error) << open.key;
+    EXPECT_LE(found.at("low").get<double>(), open.truth) << open.key;
+    EXPECT_GE(found.at("high").get<double>(), open.truth) << open.key;
+    EXPECT_LT(found.at("high").get<double>() / found.at("low").get<double>(), 1 + 4 * open.error) << open.key;
+  }
+  for (const auto& note : fit.at("recordings")) {
+    EXPECT_LT(note.at("after").at("level_db").get<double>(), 0.5 * note.at("before").at("level_db").get<double>())
+        << note;
+    EXPECT_LT(note.at("after").at("cents").get<double>(), 1) << note;
+  }
+  succeed(run({.arguments = {"inspect", "found.json"}, .folder = box.path()}));
+}
+
+INSTANTIATE_TEST_SUITE_P(Known, FittedInstrument, ::testing::Values(kKalimba, kString, kDrum),
+                         [](const auto& known) { return known.param.test; });
+
+TEST(FitOfAnInstrument, WritesTheFileThatWasOpenWithItsCommentsAndDrawsAFigure) {
+  const Sandbox box;
+  record(box, kKalimba);
+  write_file(box / "open.json", "// My kalimba.\n" + kKalimba.with(true));
+  succeed(fitted(box, {"-o", "found.json", "--figure", "found.svg"}));
+  const std::string found = read_file(box / "found.json");
+  EXPECT_NE(found.find("contacts[0].weight"), found.npos);
+  EXPECT_NE(found.find("// My kalimba.\n{ \"name\": \"kalimba\""), found.npos) << found;
+  EXPECT_EQ(found.find("\"fit\""), found.npos) << found;
+  const std::string figure = read_file(box / "found.svg");
+  for (const char* word : {"note_0.wav", "note_2.wav, kept", "recorded", "before", "after"})
+    EXPECT_NE(figure.find(word), figure.npos) << word;
+}
+
+/// What is refused: the fit file, an instrument file if it is not the one of kKalimba, and the line.
+struct Bad {
+  std::string test, fit, beginning, says, instrument = {};
+};
+
+void PrintTo(const Bad& bad, std::ostream* stream) {
+  *stream << bad.test;
+}
+
+std::string fit_of(const std::string& recording, const std::string& more = "") {
+  return fmt::format(R"({{ "instrument": "open.json", "recordings": [{{ {} }}]{} }})", recording, more);
+}
+
+std::string with_stiffness(const std::string& number) {
+  Known known = kKalimba;
+  const std::string mark = "@0";
+  known.file.replace(known.file.find(mark), mark.size(), number);
+  return known.with(true);
+}
+
+std::vector<Bad> bad_fits() {
+  const std::string good = R"("file": "sine.wav", "key": 69, "velocity": 0.5)", fit = "my.fit.json: ";
+  const std::string stiffness = "open.json: bodies[0].bar.bending_stiffness_n_m2: ";
+  const auto of_file = [](const std::string& name) {
+    return fit_of(fmt::format(R"("file": "{}", "key": 69, "velocity": 0.5)", name));
+  };
+  return {
+      {"missing_file", of_file("none.wav"), fit + "recordings[0].file: none.wav: file: does not exist", ""},
+      {"no_sound", of_file("open.json"), "open.json: file: is no sound", ".wav"},
+      {"silent", of_file("silent.wav"), "silent.wav: samples: the recording is silent", "a struck note"},
+      {"clipped", of_file("clipped.wav"), "clipped.wav: samples: ", "below full scale"},
+      {"short", of_file("short.wav"), "short.wav: samples: end less than 0.05 s", "0.1 s or more"},
+      {"wrong_pitch", of_file("sine.wav"), "sine.wav: samples: the strongest partial, of 1234 Hz, is ", "wider bounds"},
+      {"unknown_key", fit_of(good, R"(, "rate": 1)"), fit + "rate: unknown key", "seconds"},
+      {"unknown_key_of_a_note", fit_of(good + R"(, "pitch": 440)"), fit + "recordings[0].pitch: unknown key", "velocity"},
+      {"no_recordings", R"({ "instrument": "open.json" })", fit + "recordings: missing", ""},
+      {"no_instrument", fmt::format(R"({{ "recordings": [{{ {} }}] }})", good), fit + "instrument: missing", ".json"},
+      {"all_kept", fit_of(good + R"(, "kept": true)"), fit + "recordings: all are kept", "one or more"},
+      {"kept_is_a_number", fit_of(good + R"(, "kept": 1)"), fit + "recordings[0].kept: is not true or false", ""},
+      {"kept_of_unknown_velocity", fit_of(R"("file": "sine.wav", "key": 69, "kept": true)"),
+       fit + "recordings[0].velocity: is not stated, but the recording is kept", "0.7"},
+      {"velocity_of_2", fit_of(R"("file": "sine.wav", "key": 69, "velocity": 2)"),
+       fit + "recordings[0].velocity: 2 is out of range", "0.01 to 1"},
+      {"velocity_up_to_2", fit_of(R"("file": "sine.wav", "key": 69, "velocity": { "fit": [0.1, 2] })"),
+       fit + "recordings[0].velocity: leaves its range", "0.01 to 1"},
+      {"silent_key", fit_of(R"("file": "sine.wav", "key": 70, "velocity": 0.5)"),
+       "open.json: keys: key 70 of sine.wav plays nothing", "inspect"},
+      {"unknown_output", fit_of(good, R"(, "output": "bridge")"), "open.json: outputs: 'bridge' is none of them",
+       "tine_velocity_m_per_s"},
+      {"unknown_gain", fit_of(good, R"(, "gain": "some")"), fit + "gain: 'some' is unknown", "each, common"},
+      {"no_open_number", fit_of(good), "open.json: instrument: has 0 open numbers", R"({"fit": [1, 2]})",
+       kKalimba.with(false)},
+      {"falling_bounds", fit_of(good), stiffness + "fit: 0.05 and 0.02 do not rise", "[1, 2]",
+       with_stiffness(R"({ "fit": [0.05, 0.02] })")},
+      {"one_bound", fit_of(good), stiffness + "fit: has 1 entry", "[1, 2]", with_stiffness(R"({ "fit": [0.05] })")},
+      {"start_beyond", fit_of(good), stiffness + "start: 1 is out of range", "0.02 to 0.05",
+       with_stiffness(R"({ "fit": [0.02, 0.05], "start": 1 })")},
+      {"unknown_key_of_a_number", fit_of(good), stiffness + "end: unknown key", "fit, start",
+       with_stiffness(R"({ "fit": [0.02, 0.05], "end": 1 })")},
+      {"start_out_of_reach", fit_of(good), "open.json: bodies[0].bar.bending_stiffness_n_m2: ", "",
+       with_stiffness(R"({ "fit": [-2, -1] })")},
+      {"instrument_is_no_json", fit_of(good), "open.json: ", "", "name"}};
+}
+
+class BadFitOfAnInstrument : public ::testing::TestWithParam<Bad> {};
+
+TEST_P(BadFitOfAnInstrument, IsRefusedInOneLineAndNothingIsWritten) {
+  const Bad& bad = GetParam();
+  const Sandbox box;
+  std::vector<double> sine, clipped;
+  for (int i = 0; i < kRate / 2; ++i) {
+    const double time_s = i / double(kRate);
+    sine.push_back(0.5 * std::exp(-6 * time_s) * std::sin(2 * std::numbers::pi * 1234 * time_s));
+    clipped.push_back(std::clamp(4 * sine.back(), -0.9, 0.9));
+  }
+  write_sound(box / "sine.wav", sine, kRate);
+  write_sound(box / "clipped.wav", clipped, kRate);
+  write_sound(box / "silent.wav", std::vector<double>(sine.size()), kRate);
+  write_sound(box / "short.wav", std::vector<double>(sine.begin(), sine.begin() + 400), kRate);
+  write_file(box / "open.json", bad.instrument.empty() ? kKalimba.with(true) : bad.instrument);
+  write_file(box / "my.fit.json", bad.fit);
+  const auto before = box.listing();
+  expect_refused(fitted(box, {"-o", "found.json", "--figure", "found.svg"}), bad.beginning, bad.says);
+  EXPECT_EQ(box.listing(), before);
+}
+
+INSTANTIATE_TEST_SUITE_P(Bad, BadFitOfAnInstrument, ::testing::ValuesIn(bad_fits()),
+                         [](const auto& bad) { return bad.param.test; });
+
+}  // namespace
+}  // namespace contactspline::testing
