@@ -38,21 +38,22 @@ class marimba_tube : public Voices<NetworkInstrument<T>> {
   // What NetworkInstrument plays. Its members: struct InstrumentData.
   struct data {
     static constexpr std::array<double, 14> angular_frequencies = {
-        1643.842361445, 6646.705939067, 15718.75666304, 27283.52383877, 41434.08093327, 58097.51957807,
-        77199.9331862, 98728.64096217, 122758.2707039, 1561.685708099, 4685.057124298, 7808.742699763,
+        1643.84172628, 6646.704882657, 15718.75484276, 27283.52104472, 41434.07694773, 58097.51418945,
+        77199.92618913, 98728.63215237, 122758.2598708, 1561.685708099, 4685.057124298, 7808.742699763,
         10932.11411596, 0.0};
     static constexpr std::array<double, 14> decays = {
-        3.033277664184, 4.656249731883, 7.599301967958, 11.35101314464, 15.94157714948, 21.34734182325,
-        27.54433122409, 34.52843159288, 42.32385276106, 9.745, 38.45, 89.35, 163.4, 0.0};
+        3.359910233497, 5.976952692661, 10.72262442333, 16.77225869573, 24.17454315354, 32.89133868998,
+        42.88398409884, 54.14584594352, 66.7159625772, 29.9, 38.45, 89.35, 163.4, 0.0};
     static constexpr std::array<double, 14> masses = {
         0.0936253867, 0.114106236, 0.133686374, 0.130719782, 0.123683973, 0.115887316, 0.109143087,
         0.104578084, 0.102625432, 0.00037458, 0.00037458, 0.00037458, 0.00037458, 0.02};
     static constexpr std::array<std::size_t, 3> body_ends = {9, 13, 14};
-    static constexpr std::array<std::size_t, 4> place_bodies = {2, 0, 0, 1};
-    static constexpr std::array<double, 23> shapes = {
-        1.0, -1.12905958, -0.561900681, 1.68039188, 1.30923274, -0.942878918, -1.54593831, 0.277830813,
-        1.54561117, 0.312187305, -1.16903773, 0.0, 2.02236707, 0.0, -1.78200402, 0.0, 1.62684046, 0.0,
-        -1.56109896, 1.0, 1.0, 1.0, 1.0};
+    static constexpr std::array<std::size_t, 5> place_bodies = {2, 0, 0, 0, 1};
+    static constexpr std::array<double, 32> shapes = {
+        1.0, -0.944429636, -1.09630654, 0.427319044, 1.58372926, 1.16672611, -0.373050126, -1.39933475,
+        -0.875595603, 0.578019599, -1.16903773, 0.0, 2.02236707, 0.0, -1.78200402, 0.0, 1.62684046, 0.0,
+        -1.56109896, -0.0204141586, -0.502992115, -0.730679039, -0.805554736, -0.71598274, -0.477162115,
+        -0.137387184, 0.232718436, 0.55628796, 1.0, 1.0, 1.0, 1.0};
     static constexpr std::array<double, 48> knots = {
         0.0, 6.335868946429475e-06, 1.2897116040413183e-05, 1.9694557070496382e-05, 2.673966874742654e-05,
         3.404462925484477e-05, 4.162237804803871e-05, 4.9486666677475764e-05, 5.765212691396464e-05,
@@ -103,13 +104,13 @@ class marimba_tube : public Voices<NetworkInstrument<T>> {
         157613.74495858175, 173203.74109480446, 190662.9364235686};
     static constexpr std::array<std::size_t, 1> table_ends = {48};
     static constexpr std::array<InstrumentConnection, 2> connections = {{
-        {ConnectionKind::kContact, 0, 1, 0, 0.005, 1.0, 0.0, 0.0, 0.0},
-        {ConnectionKind::kSpring, 2, 3, 0, 0.0, 1.0, 0.0, 100.0, 0.0}}};
+        {ConnectionKind::kContact, 0, 1, 0, 0.005, 19.7, 0.0, 0.0, 0.0},
+        {ConnectionKind::kSpring, 2, 4, 0, 0.0, 1.0, 0.0, 100.0, 0.0}}};
     static constexpr std::array<InstrumentControl, 3> controls = {{
         {ControlQuantity::kStiffness, 0, 1},
         {ControlQuantity::kStiffnessRatio, 1, 1},
         {ControlQuantity::kDamping, 2, 1}}};
-    static constexpr std::array<std::size_t, 6> targets = {1, 0, 0, 3, 2, 2};
+    static constexpr std::array<std::size_t, 6> targets = {1, 0, 0, 4, 3, 3};
     static constexpr std::array<std::size_t, 1> strikes = {2};
     static constexpr std::array<std::size_t, 0> plucks = {};
     static constexpr std::array<InstrumentOutput, 2> sources = {{
