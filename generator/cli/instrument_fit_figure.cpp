@@ -52,7 +52,8 @@ std::string curves(const std::vector<Data>& all, const std::string& label, bool 
   }
   script += is_logarithmic ? logarithmic_axis('x', at, label) : linear_axis('x', at, label);
   script += linear_axis('y', level, "level [dB]");
-  return script + "set key top right opaque noenhanced font ',12'\n" + plots + "\n" + (is_logarithmic ? "unset logscale x\n" : "");
+  return script + "set key top right opaque noenhanced font ',12'\n" + plots + "\n" +
+         (is_logarithmic ? "unset logscale x\n" : "");
 }
 
 }  // namespace

@@ -31,7 +31,8 @@ double place_of(double part) {
   return std::log(part / (1 - part));
 }
 
-/// The notes that are fitted, as a function of places: a place is the logit of the part of the way between two bounds.
+/// The notes that are fitted, as a function of places: a place is the logit of the part of the way between two
+/// bounds.
 class ListeningProblem {
  public:
   using Scalar = double;
@@ -150,7 +151,8 @@ class ListeningProblem {
 // The radical inverse: numbers of this base fill 0 to 1 evenly (J. H. Halton, Numerische Mathematik 2, 1960).
 double halton(std::size_t number, std::size_t base) {
   double part = 0, digit = 1;
-  for (; number > 0; number /= base) part += (digit /= static_cast<double>(base)) * static_cast<double>(number % base);
+  for (; number > 0; number /= base)
+    part += (digit /= static_cast<double>(base)) * static_cast<double>(number % base);
   return part;
 }
 
@@ -169,7 +171,8 @@ std::vector<Eigen::VectorXd> scattered(const RecordedInstrument& recorded, const
   std::vector<Eigen::VectorXd> places{start};
   for (std::size_t k = 1; k <= std::min(kMost, kEach * open); ++k) {
     places.push_back(start);
-    for (std::size_t i = 0; i < open; ++i) places.back()[static_cast<Eigen::Index>(i)] = place_of(halton(k, bases[i]));
+    for (std::size_t i = 0; i < open; ++i)
+      places.back()[static_cast<Eigen::Index>(i)] = place_of(halton(k, bases[i]));
   }
   return places;
 }
@@ -285,8 +288,9 @@ Eigen::VectorXd find_lower(const ListeningProblem& problem, const Eigen::VectorX
 }
 
 /// Half widths of 95 % intervals of the places, infinite where the recordings tell nothing. Of two estimates of the
-/// variance the larger one: that of independent residuals, of eight levels one, and the sandwich estimate with groups of residuals that may depend on each other (P. J. Huber, Proc. 5th Berkeley Symp., 1967;
-/// K.-Y. Liang and S. L. Zeger, Biometrika 73, 1986).
+/// variance the larger one: that of independent residuals, of eight levels one, and the sandwich estimate with groups
+/// of residuals that may depend on each other (P. J. Huber, Proc. 5th Berkeley Symp., 1967; K.-Y. Liang and S. L.
+/// Zeger, Biometrika 73, 1986).
 Eigen::VectorXd half_widths(const Residuals& residuals, const Eigen::MatrixXd& slopes) {
   constexpr double kLeastTold = 1e-6;  // of an eigenvalue, where all are 1 if no two numbers act alike
   const Eigen::Index open = slopes.cols();
@@ -300,7 +304,8 @@ Eigen::VectorXd half_widths(const Residuals& residuals, const Eigen::MatrixXd& s
         residuals.values[static_cast<std::size_t>(r)] * scaled.row(r);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled.transpose() * scaled);
   const double groups = static_cast<double>(residuals.group_count), freedom = std::max(1.0, groups - double(open));
-  const Eigen::VectorXd inverse = eigen.eigenvalues().unaryExpr([](double value) { return value > kLeastTold ? 1 / value : 0.0; });
+  const Eigen::VectorXd inverse =
+      eigen.eigenvalues().unaryExpr([](double value) { return value > kLeastTold ? 1 / value : 0.0; });
   const Eigen::MatrixXd bread = eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
   const Eigen::MatrixXd covariance = bread * (scores.transpose() * scores) * bread * (groups / freedom);
   const double quantile = boost::math::quantile(boost::math::students_t(freedom), 0.975);
@@ -319,7 +324,8 @@ std::vector<FoundNumber> found_numbers(const RecordedInstrument& recorded, const
   std::vector<Eigen::VectorXd> places{at};
   for (Eigen::VectorXd& place : problem.beside(at)) places.push_back(std::move(place));
   const auto residuals = problem.residuals_at(places);
-  const Eigen::VectorXd widths = half_widths(residuals[0].value(), problem.slopes(at, std::span(residuals).subspan(1)));
+  const Eigen::VectorXd widths =
+      half_widths(residuals[0].value(), problem.slopes(at, std::span(residuals).subspan(1)));
   std::vector<FoundNumber> numbers;
   for (std::size_t i = 0; i < recorded.open.size(); ++i) {
     const double place = at[static_cast<Eigen::Index>(i)], width = widths[static_cast<Eigen::Index>(i)];
@@ -356,8 +362,8 @@ std::vector<NotePicture> recorded_pictures(const RecordedInstrument& recorded) {
   constexpr std::size_t kMaxPartials = 10;
   std::vector<NotePicture> pictures;
   for (const RecordedKey& note : recorded.notes) {
-    pictures.push_back(picture_of(note.recording.samples, note.recording.sample_rate_hz, recorded.seconds, kDepth_db,
-                                  kMaxPartials));
+    pictures.push_back(
+        picture_of(note.recording.samples, note.recording.sample_rate_hz, recorded.seconds, kDepth_db, kMaxPartials));
     if (pictures.back().power.empty())
       refuse(note.file, "samples", "end less than 0.05 s after the onset", "0.1 s or more of a note");
   }
@@ -400,8 +406,8 @@ InstrumentFit fit_instrument(const RecordedInstrument& recorded, const ReadFile&
   at = find_lower(problem, problem.search(at, kManySteps));
   problem.scales.far_db = kNear_db;
   at = problem.search(at, kManySteps);
-  problem.scales = scales_of(heard, renderer.render_one(problem.numbers_at(at), fitted), recorded.has_common_gain,
-                             problem.scales);
+  problem.scales =
+      scales_of(heard, renderer.render_one(problem.numbers_at(at), fitted), recorded.has_common_gain, problem.scales);
   at = problem.search(at, kManySteps);
   std::vector<NotePicture> found = renderer.render_one(problem.numbers_at(at), all);
   const auto after = distances_of(pictures, found, recorded.has_common_gain);

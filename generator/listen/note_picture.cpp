@@ -123,7 +123,7 @@ std::vector<Partial> partials_of(std::span<const double> samples, std::size_t on
   for (std::size_t i = first; i < last; ++i) {
     if (!(power[i] > 0) || power[i] < power[i - 1] || power[i] < power[i + 1]) continue;
     const auto around = std::span(power).subspan(i - lobe, 2 * lobe + 1);
-    if ( power[i] < std::ranges::max(around) || !stands_out(power, i, lobe)) continue;
+    if (power[i] < std::ranges::max(around) || !stands_out(power, i, lobe)) continue;
     const double a = decibels(power[i - 1]), b = decibels(power[i]), c = decibels(power[i + 1]);
     found.push_back({(static_cast<double>(i) + 0.5 * (a - c) / (a - 2 * b + c)) * bin_hz, b});
   }
@@ -199,8 +199,8 @@ NotePicture picture_of(std::span<const double> samples, double sample_rate_hz, d
     for (const Band& band : bands) picture.power.push_back(band.power(power));
   }
   picture.noise = noise_before(spectrum, bands, samples, begin, static_cast<std::ptrdiff_t>(window));
-  picture.partials = partials_of(samples, static_cast<std::size_t>(std::max<std::ptrdiff_t>(begin, 0)), sample_rate_hz,
-                                 depth_db, max_partials);
+  picture.partials = partials_of(samples, static_cast<std::size_t>(std::max<std::ptrdiff_t>(begin, 0)),
+                                 sample_rate_hz, depth_db, max_partials);
   return picture;
 }
 
@@ -246,7 +246,8 @@ NoteDifference compare(const NotePicture& recorded, const NotePicture& rendered,
 }
 
 double distance_db(const NotePicture& recorded, const NotePicture& rendered, double gain_db) {
-  const double floor = recorded.loudest() * std::pow(10, NotePicture::kFloor_db / 10), gain = std::pow(10, gain_db / 10);
+  const double floor = recorded.loudest() * std::pow(10, NotePicture::kFloor_db / 10),
+               gain = std::pow(10, gain_db / 10);
   double sum = 0;
   for (std::size_t i = 0; i < recorded.power.size(); ++i) {
     const double power = i < rendered.power.size() ? rendered.power[i] : 0;

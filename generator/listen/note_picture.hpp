@@ -16,11 +16,11 @@ struct NotePicture {
   static constexpr std::size_t kBands = 48;
   static constexpr double kFloor_db = -60;  ///< of the loudest power: what is softer counts as much
 
-  double frame_s;                  ///< between frames
-  std::vector<double> band_hz;     ///< middles of the bands
-  std::vector<double> power;       ///< frame by frame, of each band
-  std::vector<double> noise;       ///< of each band before the note; 0 where nothing was recorded there
-  std::vector<Partial> partials;   ///< by falling level
+  double frame_s;                 ///< between frames
+  std::vector<double> band_hz;    ///< middles of the bands
+  std::vector<double> power;      ///< frame by frame, of each band
+  std::vector<double> noise;      ///< of each band before the note; 0 where nothing was recorded there
+  std::vector<Partial> partials;  ///< by falling level
 
   [[nodiscard]] double loudest() const;
 };
@@ -29,9 +29,9 @@ struct NotePicture {
 [[nodiscard]] double onset_of(std::span<const double> samples, double sample_rate_hz);
 
 /// The picture of a note from 3 ms before its onset on, over so many seconds or to the end of the samples: by Hann
-/// windows of about 46 ms, a quarter of that apart, in triangular bands from 60 Hz to 16 kHz or 0.45 of the sample rate.
-/// The partials are the peaks of the spectrum of the 0.4 s from 20 ms after the onset on, with a Hann window, that are
-/// at most `depth_db` below the highest and stand 12 dB out of what is beside them; at most `max_partials`.
+/// windows of about 46 ms, a quarter of that apart, in triangular bands from 60 Hz to 16 kHz or 0.45 of the sample
+/// rate. The partials are the peaks of the spectrum of the 0.4 s from 20 ms after the onset on, with a Hann window,
+/// that are at most `depth_db` below the highest and stand 12 dB out of what is beside them; at most `max_partials`.
 [[nodiscard]] NotePicture picture_of(std::span<const double> samples, double sample_rate_hz, double seconds,
                                      double depth_db, std::size_t max_partials);
 
@@ -41,8 +41,8 @@ struct NoteDifference {
   std::vector<double> cents;     ///< rendered to recorded: of each recorded partial, to the nearest rendered one
 };
 
-/// The gain [dB] that brings rendered notes nearest to recorded ones, in the least squares of their levels. Not all of
-/// them may be silent.
+/// The gain [dB] that brings rendered notes nearest to recorded ones, in the least squares of their levels. Not all
+/// of them may be silent.
 [[nodiscard]] double gain_between(std::span<const NotePicture* const> recorded,
                                   std::span<const NotePicture* const> rendered);
 

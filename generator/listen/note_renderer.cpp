@@ -56,13 +56,15 @@ NotePicture play(const InstrumentMaker& maker, const RecordedInstrument& recorde
   into.outputs[output_of(*instrument, recorded)] = samples;
   render<double>(*instrument, std::span(&event, 1), samples.size(), into, [] {});
   if (std::ranges::all_of(samples, [](double sample) { return sample == 0; }))
-    refuse(recorded.file, "outputs", fmt::format("key {} of {} is silent", note.key, note.file), "an output that sounds");
+    refuse(recorded.file, "outputs", fmt::format("key {} of {} is silent", note.key, note.file),
+           "an output that sounds");
   return picture_of(samples, rate_hz, recorded.seconds, kDepth_db, kMaxPartials);
 }
 
 void run_on_all_cores(std::size_t tasks, const std::function<void(std::size_t)>& task) {
   std::atomic<bool> is_stopped = false;
-  run_tasks(tasks, std::max(1u, std::thread::hardware_concurrency()), task, [](std::size_t) {}, is_stopped);
+  run_tasks(
+      tasks, std::max(1u, std::thread::hardware_concurrency()), task, [](std::size_t) {}, is_stopped);
 }
 
 }  // namespace
@@ -107,9 +109,8 @@ std::vector<NotePicture> NoteRenderer::render_one(const std::vector<double>& poi
                                                   std::span<const std::size_t> notes) const {
   const InstrumentMaker maker = maker_of(recorded_, read_, *materials_, point);
   std::vector<NotePicture> pictures(notes.size());
-  run_on_all_cores(notes.size(), [&](std::size_t i) {
-    pictures[i] = play(maker, recorded_, recorded_.notes[notes[i]], point);
-  });
+  run_on_all_cores(notes.size(),
+                   [&](std::size_t i) { pictures[i] = play(maker, recorded_, recorded_.notes[notes[i]], point); });
   return pictures;
 }
 

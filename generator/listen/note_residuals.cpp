@@ -65,7 +65,8 @@ ResidualScales scales_of(std::span<const NotePicture> recorded, std::span<const 
   double levels = 0, level_squares = 0, partials = 0, cent_squares = 0;
   for (std::size_t n = 0; n < recorded.size(); ++n) {
     const NoteDifference difference = compare(recorded[n], rendered[n], gains[n]);
-    for (const double level_db : difference.level_db) ++levels, level_squares += std::pow(level_residual(level_db, before.far_db), 2);
+    for (const double level_db : difference.level_db)
+      ++levels, level_squares += std::pow(level_residual(level_db, before.far_db), 2);
     for (const double cents : difference.cents)
       ++partials, cent_squares += std::pow(cents_residual(cents, before.far_cents), 2);
   }

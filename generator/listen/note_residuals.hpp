@@ -34,8 +34,8 @@ struct Residuals {
 [[nodiscard]] std::size_t count_residuals(std::span<const NotePicture> recorded);
 
 /// The gain of each note [dB].
-[[nodiscard]] std::vector<double> gains_of(std::span<const NotePicture> recorded, std::span<const NotePicture> rendered,
-                                           bool has_common_gain);
+[[nodiscard]] std::vector<double> gains_of(std::span<const NotePicture> recorded,
+                                           std::span<const NotePicture> rendered, bool has_common_gain);
 
 /// Scales by which the residuals of levels and those of partials have a mean square of 1 each.
 [[nodiscard]] ResidualScales scales_of(std::span<const NotePicture> recorded, std::span<const NotePicture> rendered,

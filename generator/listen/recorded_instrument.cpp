@@ -30,7 +30,8 @@ void read_velocity(const JsonObject& entry, RecordedKey& note, std::vector<OpenN
     note.velocity = entry.number("velocity", kVelocity);
     return;
   }
-  if (note.is_kept) entry.fail(key, "is not stated, but the recording is kept", "a number from 0.01 to 1, such as 0.7");
+  if (note.is_kept)
+    entry.fail(key, "is not stated, but the recording is kept", "a number from 0.01 to 1, such as 0.7");
   OpenNumber velocity{key, kAnyVelocity, 0.5};
   if (is_open) velocity = read_open_number(entry.object("velocity", {"fit", "start"}), key);
   if (velocity.bounds.min < kVelocity.min || velocity.bounds.max > kVelocity.max)
@@ -75,7 +76,8 @@ RecordedInstrument parse_recorded_instrument(std::string_view text, const std::s
   if (fit.has("output")) recorded.output = fit.text("output", "the name of an output");
   if (fit.has("gain")) {
     const std::string gain = fit.text("gain", "each, common");
-    if (gain != "each" && gain != "common") fit.fail("gain", fmt::format("'{}' is unknown", shown(gain)), "each, common");
+    if (gain != "each" && gain != "common")
+      fit.fail("gain", fmt::format("'{}' is unknown", shown(gain)), "each, common");
     recorded.has_common_gain = gain == "common";
   }
   read_recordings(fit, read, recorded);
