@@ -327,8 +327,8 @@ void add_impact(CLI::App& app) {
 
 void add_fit(CLI::App& app) {
   const auto options = std::make_shared<FitOptions>();
-  CLI::App* command = app.add_subcommand(
-      "fit", "Make a material file from measurements of impacts, or an instrument file from recordings");
+  CLI::App* command =
+      app.add_subcommand("fit", "Make a material file from measurements, or an instrument file from recordings");
   add_text(*command, "FILE", options->file, "fit file (.json), which names the data")->required();
   add_output_file(*command, "-o,--output", options->output, "material or instrument file to write (.json)");
   add_output_file(*command, "--figure", options->figure, "also draw data, model and residuals (.svg, .png, .pdf)");

@@ -39,12 +39,12 @@ class ListeningProblem {
   enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = Eigen::Dynamic };
 
   ListeningProblem(const RecordedInstrument& recorded, const NoteRenderer& renderer, std::vector<std::size_t> notes,
-                   std::vector<NotePicture> pictures)
-      : recorded_(recorded), renderer_(renderer), notes_(std::move(notes)), pictures_(std::move(pictures)) {}
+                   std::vector<NoteImpression> impressions)
+      : recorded_(recorded), renderer_(renderer), notes_(std::move(notes)), impressions_(std::move(impressions)) {}
 
   ResidualScales scales;
 
-  [[nodiscard]] int NumResiduals() const { return static_cast<int>(count_residuals(pictures_)); }
+  [[nodiscard]] int NumResiduals() const { return static_cast<int>(count_residuals(impressions_)); }
   [[nodiscard]] int NumParameters() const { return static_cast<int>(recorded_.open.size()); }
 
   [[nodiscard]] std::vector<double> numbers_at(const Eigen::VectorXd& places) const {
@@ -68,7 +68,7 @@ class ListeningProblem {
     std::vector<std::optional<Residuals>> all;
     for (const RenderedNotes& rendered : renderer_.render(points, notes_)) {
       all.emplace_back();
-      if (rendered) all.back() = residuals_of(pictures_, *rendered, recorded_.has_common_gain, scales);
+      if (rendered) all.back() = residuals_of(impressions_, *rendered, recorded_.has_common_gain, scales);
     }
     return all;
   }
@@ -133,7 +133,7 @@ class ListeningProblem {
     return from;
   }
 
-  [[nodiscard]] const std::vector<NotePicture>& pictures() const { return pictures_; }
+  [[nodiscard]] const std::vector<NoteImpression>& impressions() const { return impressions_; }
 
  private:
   // kDerivativePart of the way between the bounds.
@@ -145,7 +145,7 @@ class ListeningProblem {
   const RecordedInstrument& recorded_;
   const NoteRenderer& renderer_;
   std::vector<std::size_t> notes_;
-  std::vector<NotePicture> pictures_;
+  std::vector<NoteImpression> impressions_;
 };
 
 // The radical inverse: numbers of this base fill 0 to 1 evenly (J. H. Halton, Numerische Mathematik 2, 1960).
@@ -345,8 +345,8 @@ double median_of(std::vector<double> values) {
 }
 
 // The rendered notes get their gain.
-std::vector<NoteDistance> distances_of(const std::vector<NotePicture>& recorded, std::vector<NotePicture>& rendered,
-                                       bool has_common_gain) {
+std::vector<NoteDistance> distances_of(const std::vector<NoteImpression>& recorded,
+                                       std::vector<NoteImpression>& rendered, bool has_common_gain) {
   const std::vector<double> gains = gains_of(recorded, rendered, has_common_gain);
   std::vector<NoteDistance> distances;
   for (std::size_t n = 0; n < recorded.size(); ++n) {
@@ -357,17 +357,17 @@ std::vector<NoteDistance> distances_of(const std::vector<NotePicture>& recorded,
   return distances;
 }
 
-std::vector<NotePicture> recorded_pictures(const RecordedInstrument& recorded) {
+std::vector<NoteImpression> recorded_impressions(const RecordedInstrument& recorded) {
   constexpr double kDepth_db = 40;
   constexpr std::size_t kMaxPartials = 10;
-  std::vector<NotePicture> pictures;
+  std::vector<NoteImpression> impressions;
   for (const RecordedKey& note : recorded.notes) {
-    pictures.push_back(
-        picture_of(note.recording.samples, note.recording.sample_rate_hz, recorded.seconds, kDepth_db, kMaxPartials));
-    if (pictures.back().power.empty())
+    impressions.push_back(impression_of(note.recording.samples, note.recording.sample_rate_hz, recorded.seconds,
+                                        kDepth_db, kMaxPartials));
+    if (impressions.back().power.empty())
       refuse(note.file, "samples", "end less than 0.05 s after the onset", "0.1 s or more of a note");
   }
-  return pictures;
+  return impressions;
 }
 
 void require_pitch(const RecordedInstrument& recorded, const std::vector<FittedNote>& notes) {
@@ -389,16 +389,16 @@ void require_pitch(const RecordedInstrument& recorded, const std::vector<FittedN
 InstrumentFit fit_instrument(const RecordedInstrument& recorded, const ReadFile& read,
                              const std::function<void(const std::string&)>& tell) {
   constexpr double kNear_cents = 40, kNear_db = 4;
-  const std::vector<NotePicture> pictures = recorded_pictures(recorded);
+  const std::vector<NoteImpression> impressions = recorded_impressions(recorded);
   const NoteRenderer renderer(recorded, read);
-  std::vector<std::size_t> all(pictures.size()), fitted;
+  std::vector<std::size_t> all(impressions.size()), fitted;
   std::iota(all.begin(), all.end(), 0);
   std::ranges::copy_if(all, std::back_inserter(fitted), [&](std::size_t n) { return !recorded.notes[n].is_kept; });
-  std::vector<NotePicture> heard;
-  for (const std::size_t n : fitted) heard.push_back(pictures[n]);
+  std::vector<NoteImpression> heard;
+  for (const std::size_t n : fitted) heard.push_back(impressions[n]);
   ListeningProblem problem(recorded, renderer, fitted, heard);
-  std::vector<NotePicture> started = renderer.render_one(problem.numbers_at(problem.start()), all);
-  const auto before = distances_of(pictures, started, recorded.has_common_gain);
+  std::vector<NoteImpression> started = renderer.render_one(problem.numbers_at(problem.start()), all);
+  const auto before = distances_of(impressions, started, recorded.has_common_gain);
   tell("trying numbers all over their bounds");
   Eigen::VectorXd at = find_place(recorded, problem);
   tell("searching");
@@ -409,11 +409,11 @@ InstrumentFit fit_instrument(const RecordedInstrument& recorded, const ReadFile&
   problem.scales =
       scales_of(heard, renderer.render_one(problem.numbers_at(at), fitted), recorded.has_common_gain, problem.scales);
   at = problem.search(at, kManySteps);
-  std::vector<NotePicture> found = renderer.render_one(problem.numbers_at(at), all);
-  const auto after = distances_of(pictures, found, recorded.has_common_gain);
+  std::vector<NoteImpression> found = renderer.render_one(problem.numbers_at(at), all);
+  const auto after = distances_of(impressions, found, recorded.has_common_gain);
   InstrumentFit fit;
   for (const std::size_t n : all)
-    fit.notes.push_back({before[n], after[n], pictures[n], std::move(started[n]), std::move(found[n])});
+    fit.notes.push_back({before[n], after[n], impressions[n], std::move(started[n]), std::move(found[n])});
   require_pitch(recorded, fit.notes);
   fit.numbers = found_numbers(recorded, problem, at);
   return fit;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "generator/listen/note_picture.hpp"
+#include "generator/listen/note_impression.hpp"
 #include "generator/listen/recorded_instrument.hpp"
 
 namespace contactspline {
@@ -26,7 +26,7 @@ struct NoteDistance {
 
 struct FittedNote {
   NoteDistance before, after;
-  NotePicture recorded, started, found;  ///< the rendered ones with their gain
+  NoteImpression recorded, started, found;  ///< the rendered ones with their gain
 };
 
 struct InstrumentFit {

@@ -40,8 +40,9 @@ void read_velocity(const JsonObject& entry, RecordedKey& note, std::vector<OpenN
   open.push_back(velocity);
 }
 
-void read_recordings(const JsonObject& fit, const ReadFile& read, RecordedInstrument& recorded) {
-  for (const JsonObject& entry : fit.objects("recordings", {"file", "key", "velocity", "kept"}, kMaxRecordings)) {
+void read_recordings(const JsonObject& fit, const std::vector<JsonObject>& entries, const ReadFile& read,
+                     RecordedInstrument& recorded) {
+  for (const JsonObject& entry : entries) {
     const std::string path = entry.text("file", "a sound file of one channel, relative to the fit file");
     RecordedKey note{path, entry.integer("key", 0, 127), 0, {}, read_is_kept(entry), {}};
     read_velocity(entry, note, recorded.open);
@@ -63,6 +64,8 @@ bool is_recorded_instrument(std::string_view text, std::string_view file) {
 
 RecordedInstrument parse_recorded_instrument(std::string_view text, const std::string& file, const ReadFile& read) {
   const JsonObject fit = parse_json(text, file, "fit", kKeysOfFit);
+  const std::vector<JsonObject> entries =
+      fit.objects("recordings", {"file", "key", "velocity", "kept"}, kMaxRecordings);
   RecordedInstrument recorded;
   recorded.file = fit.text(kInstrumentKey, "an instrument file (.json), relative to the fit file");
   recorded.text = read_for_key(file, kInstrumentKey, recorded.file, read);
@@ -80,7 +83,7 @@ RecordedInstrument parse_recorded_instrument(std::string_view text, const std::s
       fit.fail("gain", fmt::format("'{}' is unknown", shown(gain)), "each, common");
     recorded.has_common_gain = gain == "common";
   }
-  read_recordings(fit, read, recorded);
+  read_recordings(fit, entries, read, recorded);
   return recorded;
 }
 
