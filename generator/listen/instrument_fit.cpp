@@ -44,8 +44,10 @@ class ListeningProblem {
 
   ResidualScales scales;
 
+  // NOLINTBEGIN(readability-identifier-naming): names that Ceres asks for
   [[nodiscard]] int NumResiduals() const { return static_cast<int>(count_residuals(impressions_)); }
   [[nodiscard]] int NumParameters() const { return static_cast<int>(recorded_.open.size()); }
+  // NOLINTEND(readability-identifier-naming)
 
   [[nodiscard]] std::vector<double> numbers_at(const Eigen::VectorXd& places) const {
     std::vector<double> numbers;
@@ -73,14 +75,14 @@ class ListeningProblem {
     return all;
   }
 
-  [[nodiscard]] double cost_of(const std::optional<Residuals>& residuals) const {
+  [[nodiscard]] static double cost_of(const std::optional<Residuals>& residuals) {
     if (!residuals) return std::numeric_limits<double>::infinity();
     return std::transform_reduce(residuals->values.begin(), residuals->values.end(), 0.0, std::plus(),
                                  [](double value) { return value * value; });
   }
 
   /// Both sides of each place, for central differences.
-  [[nodiscard]] std::vector<Eigen::VectorXd> beside(const Eigen::VectorXd& at) const {
+  [[nodiscard]] static std::vector<Eigen::VectorXd> beside(const Eigen::VectorXd& at) {
     std::vector<Eigen::VectorXd> places;
     for (Eigen::Index i = 0; i < at.size(); ++i)
       for (const double sign : {-1, 1}) {
@@ -133,8 +135,6 @@ class ListeningProblem {
     return from;
   }
 
-  [[nodiscard]] const std::vector<NoteImpression>& impressions() const { return impressions_; }
-
  private:
   // kDerivativePart of the way between the bounds.
   [[nodiscard]] static double step_at(double place) {
@@ -186,7 +186,7 @@ struct Candidate {
 std::vector<Candidate> with_costs(const ListeningProblem& problem, const std::vector<Eigen::VectorXd>& places) {
   std::vector<Candidate> candidates;
   for (const auto& residuals : problem.residuals_at(places))
-    candidates.push_back({problem.cost_of(residuals), places[candidates.size()]});
+    candidates.push_back({ListeningProblem::cost_of(residuals), places[candidates.size()]});
   return candidates;
 }
 
@@ -322,7 +322,7 @@ std::vector<FoundNumber> found_numbers(const RecordedInstrument& recorded, const
                                        const Eigen::VectorXd& at) {
   constexpr double kAtBound = 0.005;  // of the way
   std::vector<Eigen::VectorXd> places{at};
-  for (Eigen::VectorXd& place : problem.beside(at)) places.push_back(std::move(place));
+  for (Eigen::VectorXd& place : ListeningProblem::beside(at)) places.push_back(std::move(place));
   const auto residuals = problem.residuals_at(places);
   const Eigen::VectorXd widths =
       half_widths(residuals[0].value(), problem.slopes(at, std::span(residuals).subspan(1)));
