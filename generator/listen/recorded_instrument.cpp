@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "generator/support/error.hpp"
+#include "generator/support/json_syntax.hpp"
 
 namespace contactspline {
 namespace {
@@ -58,6 +59,7 @@ void read_recordings(const JsonObject& fit, const std::vector<JsonObject>& entri
 }  // namespace
 
 bool is_recorded_instrument(std::string_view text, std::string_view file) {
+  if (is_something_else(text)) return false;
   const std::vector<std::string> keys = json_keys(text, file, "fit");
   return std::ranges::count(keys, kInstrumentKey) + std::ranges::count(keys, "recordings") > 0;
 }
