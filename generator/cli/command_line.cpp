@@ -327,9 +327,10 @@ void add_impact(CLI::App& app) {
 
 void add_fit(CLI::App& app) {
   const auto options = std::make_shared<FitOptions>();
-  CLI::App* command = app.add_subcommand("fit", "Make a material file from measurements of impacts");
+  CLI::App* command =
+      app.add_subcommand("fit", "Make a material file from measurements, or an instrument file from recordings");
   add_text(*command, "FILE", options->file, "fit file (.json), which names the data")->required();
-  add_output_file(*command, "-o,--output", options->output, "material file to write (.json)");
+  add_output_file(*command, "-o,--output", options->output, "material or instrument file to write (.json)");
   add_output_file(*command, "--figure", options->figure, "also draw data, model and residuals (.svg, .png, .pdf)");
   command->add_flag("--json", options->json, "print all numbers as JSON; scatter as fractions, not in %");
   add_force(*command, options->force);
@@ -338,7 +339,9 @@ void add_fit(CLI::App& app) {
       "  contactspline fit my_felt.fit.json -o my_felt.json --figure my_felt.svg\n"
       "The data are force pulses over time, or contact durations, largest forces and restitution over the speed,\n"
       "of a known mass that meets a rigid wall, or levels of the partials of a resonator that it strikes.\n"
-      "The law and its loss are chosen by an information criterion.");
+      "The law and its loss are chosen by an information criterion. Or the data are recordings of an instrument, "
+      "and\n"
+      "an instrument file in which numbers are left open as {\"fit\": [min, max]}.");
   command->callback([options] { fit(*options); });
 }
 

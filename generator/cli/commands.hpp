@@ -85,12 +85,12 @@ void compare_impacts(const ImpactOptions& options);
 
 struct FitOptions {
   std::string file;
-  std::string output;  ///< material file to write, or empty
+  std::string output;  ///< material or instrument file to write, or empty
   std::string figure;  ///< file to draw, or empty
   bool json = false;
   bool force = false;  ///< as in GenerateOptions
 };
-/// Fits a material to measurements, and writes its file.
+/// Fits a material to measurements or an instrument to recordings, and writes its file.
 void fit(const FitOptions& options);
 
 /// The words that `list` takes: materials, resonators, keyboards, instruments, scores.

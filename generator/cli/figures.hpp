@@ -70,8 +70,10 @@ struct ImpactCourse {
 /// Data and model of a fit, over time, speed or compression, with their residuals beside them.
 [[nodiscard]] std::string figure_of(const Fit& fit, const std::string& title, FigureFormat format);
 
-/// Levels of the first six recorded notes and of what was rendered before and after a fit, by frequency and over time.
-[[nodiscard]] std::string figure_of(const InstrumentFit& fit, const RecordedInstrument& recorded, FigureFormat format);
+/// Levels of the first six recorded notes and of what was rendered before and after a fit, by frequency and over
+/// time.
+[[nodiscard]] std::string figure_of(const InstrumentFit& fit, const RecordedInstrument& recorded,
+                                    FigureFormat format);
 
 /// A bouncing mass, sample by sample.
 struct MassBarrierMotion {

@@ -51,8 +51,7 @@ void fit_instrument(const FitOptions& options, const std::string& text, const Re
   const RecordedInstrument recorded = parse_recorded_instrument(text, options.file, read);
   require_fit_outputs(options, recorded.files);
   std::optional<WaitingLine> line;
-  const InstrumentFit found =
-      fit_instrument(recorded, read, [&](const std::string& what) { line.emplace(what); });
+  const InstrumentFit found = fit_instrument(recorded, read, [&](const std::string& what) { line.emplace(what); });
   line.reset();
   write_fit(options, {[&] { return instrument_text(found, recorded, mark()); },
                       [&] { return options.json ? json_of(found, recorded) : report_of(found, recorded); },

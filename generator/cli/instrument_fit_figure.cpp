@@ -10,7 +10,7 @@
 #include "generator/cli/figures.hpp"
 #include "generator/cli/gnuplot.hpp"
 #include "generator/cli/plot.hpp"
-#include "generator/listen/note_picture.hpp"
+#include "generator/listen/note_impression.hpp"
 
 namespace contactspline {
 namespace {
@@ -18,24 +18,24 @@ namespace {
 constexpr std::size_t kMostNotes = 6;
 
 // Rows of frequency and of the mean level over time, below the loudest band of the recording.
-void add_bands(Data& data, const NotePicture& picture, double loudest) {
-  const std::size_t frames = picture.power.size() / NotePicture::kBands;
-  for (std::size_t b = 0; b < NotePicture::kBands; ++b) {
+void add_bands(Data& data, const NoteImpression& impression, double loudest) {
+  const std::size_t frames = impression.power.size() / NoteImpression::kBands;
+  for (std::size_t b = 0; b < NoteImpression::kBands; ++b) {
     double sum = 0;
-    for (std::size_t f = 0; f < frames; ++f) sum += picture.power[f * NotePicture::kBands + b];
+    for (std::size_t f = 0; f < frames; ++f) sum += impression.power[f * NoteImpression::kBands + b];
     const double level_db = 10 * std::log10(sum / static_cast<double>(frames) / loudest + 1e-30);
-    data.add({picture.band_hz[b], std::max(level_db, NotePicture::kFloor_db - 20)});
+    data.add({impression.band_hz[b], std::max(level_db, NoteImpression::kFloor_db - 20)});
   }
 }
 
 // Rows of time and of the level of all bands.
-void add_times(Data& data, const NotePicture& picture, double loudest) {
-  const std::size_t frames = picture.power.size() / NotePicture::kBands;
+void add_times(Data& data, const NoteImpression& impression, double loudest) {
+  const std::size_t frames = impression.power.size() / NoteImpression::kBands;
   for (std::size_t f = 0; f < frames; ++f) {
     double sum = 0;
-    for (std::size_t b = 0; b < NotePicture::kBands; ++b) sum += picture.power[f * NotePicture::kBands + b];
-    data.add({static_cast<double>(f) * picture.frame_s,
-              std::max(10 * std::log10(sum / loudest + 1e-30), NotePicture::kFloor_db - 20)});
+    for (std::size_t b = 0; b < NoteImpression::kBands; ++b) sum += impression.power[f * NoteImpression::kBands + b];
+    data.add({static_cast<double>(f) * impression.frame_s,
+              std::max(10 * std::log10(sum / loudest + 1e-30), NoteImpression::kFloor_db - 20)});
   }
 }
 
@@ -52,7 +52,8 @@ std::string curves(const std::vector<Data>& all, const std::string& label, bool 
   }
   script += is_logarithmic ? logarithmic_axis('x', at, label) : linear_axis('x', at, label);
   script += linear_axis('y', level, "level [dB]");
-  return script + "set key top right opaque noenhanced font ',12'\n" + plots + "\n" + (is_logarithmic ? "unset logscale x\n" : "");
+  return script + "set key top right opaque noenhanced font ',12'\n" + plots + "\n" +
+         (is_logarithmic ? "unset logscale x\n" : "");
 }
 
 }  // namespace
@@ -64,9 +65,9 @@ std::string figure_of(const InstrumentFit& fit, const RecordedInstrument& record
     const FittedNote& note = fit.notes[n];
     std::vector<Data> bands, times;
     const double loudest = note.recorded.loudest();
-    for (const NotePicture* picture : {&note.recorded, &note.started, &note.found}) {
-      add_bands(bands.emplace_back(fmt::format("bands_{}_{}", n, bands.size())), *picture, loudest);
-      add_times(times.emplace_back(fmt::format("times_{}_{}", n, times.size())), *picture, loudest);
+    for (const NoteImpression* impression : {&note.recorded, &note.started, &note.found}) {
+      add_bands(bands.emplace_back(fmt::format("bands_{}_{}", n, bands.size())), *impression, loudest);
+      add_times(times.emplace_back(fmt::format("times_{}_{}", n, times.size())), *impression, loudest);
     }
     const std::string name = shown(recorded.notes[n].file) + (recorded.notes[n].is_kept ? ", kept" : "");
     panels += fmt::format("set title {} noenhanced\n", in_quotes(name));

@@ -138,7 +138,8 @@ void require_sounding(const RecordedSound& recording, const std::string& file) {
   require_unsaturated(recording, file, peak);
 }
 
-std::vector<Blow::Level> levels_of(const RecordedSound& recording, const std::string& file, const StruckResonator& struck,
+std::vector<Blow::Level> levels_of(const RecordedSound& recording, const std::string& file,
+                                   const StruckResonator& struck,
                                    const std::optional<std::vector<std::size_t>>& partials) {
   const Window window(recording, file, struck.modes.front().frequency_hz());
   std::vector<Blow::Level> levels;

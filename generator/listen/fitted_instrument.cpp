@@ -15,7 +15,7 @@ constexpr int kDigits = 6;
 
 std::string words_of(const FoundNumber& number) {
   if (!number.is_told) return "; the recordings do not tell it";
-  return fmt::format("; 95 % interval {:.5g} to {:.5g}{}", number.low, number.high,
+  return fmt::format("; 95 % interval {:.4g} to {:.4g}{}", number.low, number.high,
                      number.is_at_bound ? "; at its bound" : "");
 }
 
@@ -28,13 +28,13 @@ std::string json_of(const NoteDistance& distance) {
 std::string report_of(const InstrumentFit& fit, const RecordedInstrument& recorded) {
   std::string text;
   for (std::size_t i = 0; i < fit.numbers.size(); ++i)
-    text += fmt::format("  {:<44} {:.5g}{}\n", recorded.open[i].key, fit.numbers[i].value, words_of(fit.numbers[i]));
+    text += fmt::format("  {:<44} {:.4g}{}\n", recorded.open[i].key, fit.numbers[i].value, words_of(fit.numbers[i]));
   text += "distance before and after: of levels by band and time [dB], of partials [cents]\n";
   for (std::size_t n = 0; n < fit.notes.size(); ++n) {
     const auto& [before, after] = std::tie(fit.notes[n].before, fit.notes[n].after);
-    text += fmt::format("  {:<36} {:<7} {:>6.2f} {:>6.2f} dB {:>7.1f} {:>6.1f} cents\n", shown(recorded.notes[n].file),
-                        recorded.notes[n].is_kept ? "kept" : "fitted", before.level_db, after.level_db, before.cents,
-                        after.cents);
+    text += fmt::format("  {:<36} {:<7} {:>6.2f} {:>6.2f} dB {:>7.1f} {:>6.1f} cents\n",
+                        shown(recorded.notes[n].file), recorded.notes[n].is_kept ? "kept" : "fitted", before.level_db,
+                        after.level_db, before.cents, after.cents);
   }
   return text;
 }
@@ -49,8 +49,8 @@ std::string json_of(const InstrumentFit& fit, const RecordedInstrument& recorded
     notes.push_back(fmt::format(R"(    {{ "file": {}, "kept": {}, "before": {}, "after": {} }})",
                                 json_string(recorded.notes[n].file), recorded.notes[n].is_kept,
                                 json_of(fit.notes[n].before), json_of(fit.notes[n].after)));
-  return fmt::format("{{\n  \"estimates\": {{\n{}\n  }},\n  \"recordings\": [\n{}\n  ]\n}}\n", fmt::join(numbers, ",\n"),
-                     fmt::join(notes, ",\n"));
+  return fmt::format("{{\n  \"estimates\": {{\n{}\n  }},\n  \"recordings\": [\n{}\n  ]\n}}\n",
+                     fmt::join(numbers, ",\n"), fmt::join(notes, ",\n"));
 }
 
 std::string instrument_text(const InstrumentFit& fit, const RecordedInstrument& recorded, std::string_view mark) {
@@ -58,7 +58,8 @@ std::string instrument_text(const InstrumentFit& fit, const RecordedInstrument& 
   report.pop_back();
   for (const char c : report) text += c == '\n' ? "\n// " : std::string(1, c);
   std::vector<double> numbers;
-  for (std::size_t i = 0; i < recorded.open_in_text; ++i) numbers.push_back(rounded_to(fit.numbers[i].value, kDigits));
+  for (std::size_t i = 0; i < recorded.open_in_text; ++i)
+    numbers.push_back(rounded_to(fit.numbers[i].value, kDigits));
   return text + "\n" + filled(recorded.text, std::span(recorded.open).first(recorded.open_in_text), numbers);
 }
 

@@ -31,20 +31,23 @@ double place_of(double part) {
   return std::log(part / (1 - part));
 }
 
-/// The notes that are fitted, as a function of places: a place is the logit of the part of the way between two bounds.
+/// The notes that are fitted, as a function of places: a place is the logit of the part of the way between two
+/// bounds.
 class ListeningProblem {
  public:
   using Scalar = double;
   enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = Eigen::Dynamic };
 
   ListeningProblem(const RecordedInstrument& recorded, const NoteRenderer& renderer, std::vector<std::size_t> notes,
-                   std::vector<NotePicture> pictures)
-      : recorded_(recorded), renderer_(renderer), notes_(std::move(notes)), pictures_(std::move(pictures)) {}
+                   std::vector<NoteImpression> impressions)
+      : recorded_(recorded), renderer_(renderer), notes_(std::move(notes)), impressions_(std::move(impressions)) {}
 
   ResidualScales scales;
 
-  [[nodiscard]] int NumResiduals() const { return static_cast<int>(count_residuals(pictures_)); }
+  // NOLINTBEGIN(readability-identifier-naming): names that Ceres asks for
+  [[nodiscard]] int NumResiduals() const { return static_cast<int>(count_residuals(impressions_)); }
   [[nodiscard]] int NumParameters() const { return static_cast<int>(recorded_.open.size()); }
+  // NOLINTEND(readability-identifier-naming)
 
   [[nodiscard]] std::vector<double> numbers_at(const Eigen::VectorXd& places) const {
     std::vector<double> numbers;
@@ -67,19 +70,19 @@ class ListeningProblem {
     std::vector<std::optional<Residuals>> all;
     for (const RenderedNotes& rendered : renderer_.render(points, notes_)) {
       all.emplace_back();
-      if (rendered) all.back() = residuals_of(pictures_, *rendered, recorded_.has_common_gain, scales);
+      if (rendered) all.back() = residuals_of(impressions_, *rendered, recorded_.has_common_gain, scales);
     }
     return all;
   }
 
-  [[nodiscard]] double cost_of(const std::optional<Residuals>& residuals) const {
+  [[nodiscard]] static double cost_of(const std::optional<Residuals>& residuals) {
     if (!residuals) return std::numeric_limits<double>::infinity();
     return std::transform_reduce(residuals->values.begin(), residuals->values.end(), 0.0, std::plus(),
                                  [](double value) { return value * value; });
   }
 
   /// Both sides of each place, for central differences.
-  [[nodiscard]] std::vector<Eigen::VectorXd> beside(const Eigen::VectorXd& at) const {
+  [[nodiscard]] static std::vector<Eigen::VectorXd> beside(const Eigen::VectorXd& at) {
     std::vector<Eigen::VectorXd> places;
     for (Eigen::Index i = 0; i < at.size(); ++i)
       for (const double sign : {-1, 1}) {
@@ -132,8 +135,6 @@ class ListeningProblem {
     return from;
   }
 
-  [[nodiscard]] const std::vector<NotePicture>& pictures() const { return pictures_; }
-
  private:
   // kDerivativePart of the way between the bounds.
   [[nodiscard]] static double step_at(double place) {
@@ -144,13 +145,14 @@ class ListeningProblem {
   const RecordedInstrument& recorded_;
   const NoteRenderer& renderer_;
   std::vector<std::size_t> notes_;
-  std::vector<NotePicture> pictures_;
+  std::vector<NoteImpression> impressions_;
 };
 
 // The radical inverse: numbers of this base fill 0 to 1 evenly (J. H. Halton, Numerische Mathematik 2, 1960).
 double halton(std::size_t number, std::size_t base) {
   double part = 0, digit = 1;
-  for (; number > 0; number /= base) part += (digit /= static_cast<double>(base)) * static_cast<double>(number % base);
+  for (; number > 0; number /= base)
+    part += (digit /= static_cast<double>(base)) * static_cast<double>(number % base);
   return part;
 }
 
@@ -169,7 +171,8 @@ std::vector<Eigen::VectorXd> scattered(const RecordedInstrument& recorded, const
   std::vector<Eigen::VectorXd> places{start};
   for (std::size_t k = 1; k <= std::min(kMost, kEach * open); ++k) {
     places.push_back(start);
-    for (std::size_t i = 0; i < open; ++i) places.back()[static_cast<Eigen::Index>(i)] = place_of(halton(k, bases[i]));
+    for (std::size_t i = 0; i < open; ++i)
+      places.back()[static_cast<Eigen::Index>(i)] = place_of(halton(k, bases[i]));
   }
   return places;
 }
@@ -183,7 +186,7 @@ struct Candidate {
 std::vector<Candidate> with_costs(const ListeningProblem& problem, const std::vector<Eigen::VectorXd>& places) {
   std::vector<Candidate> candidates;
   for (const auto& residuals : problem.residuals_at(places))
-    candidates.push_back({problem.cost_of(residuals), places[candidates.size()]});
+    candidates.push_back({ListeningProblem::cost_of(residuals), places[candidates.size()]});
   return candidates;
 }
 
@@ -285,8 +288,9 @@ Eigen::VectorXd find_lower(const ListeningProblem& problem, const Eigen::VectorX
 }
 
 /// Half widths of 95 % intervals of the places, infinite where the recordings tell nothing. Of two estimates of the
-/// variance the larger one: that of independent residuals, of eight levels one, and the sandwich estimate with groups of residuals that may depend on each other (P. J. Huber, Proc. 5th Berkeley Symp., 1967;
-/// K.-Y. Liang and S. L. Zeger, Biometrika 73, 1986).
+/// variance the larger one: that of independent residuals, of eight levels one, and the sandwich estimate with groups
+/// of residuals that may depend on each other (P. J. Huber, Proc. 5th Berkeley Symp., 1967; K.-Y. Liang and S. L.
+/// Zeger, Biometrika 73, 1986).
 Eigen::VectorXd half_widths(const Residuals& residuals, const Eigen::MatrixXd& slopes) {
   constexpr double kLeastTold = 1e-6;  // of an eigenvalue, where all are 1 if no two numbers act alike
   const Eigen::Index open = slopes.cols();
@@ -300,7 +304,8 @@ Eigen::VectorXd half_widths(const Residuals& residuals, const Eigen::MatrixXd& s
         residuals.values[static_cast<std::size_t>(r)] * scaled.row(r);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled.transpose() * scaled);
   const double groups = static_cast<double>(residuals.group_count), freedom = std::max(1.0, groups - double(open));
-  const Eigen::VectorXd inverse = eigen.eigenvalues().unaryExpr([](double value) { return value > kLeastTold ? 1 / value : 0.0; });
+  const Eigen::VectorXd inverse =
+      eigen.eigenvalues().unaryExpr([](double value) { return value > kLeastTold ? 1 / value : 0.0; });
   const Eigen::MatrixXd bread = eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
   const Eigen::MatrixXd covariance = bread * (scores.transpose() * scores) * bread * (groups / freedom);
   const double quantile = boost::math::quantile(boost::math::students_t(freedom), 0.975);
@@ -317,9 +322,10 @@ std::vector<FoundNumber> found_numbers(const RecordedInstrument& recorded, const
                                        const Eigen::VectorXd& at) {
   constexpr double kAtBound = 0.005;  // of the way
   std::vector<Eigen::VectorXd> places{at};
-  for (Eigen::VectorXd& place : problem.beside(at)) places.push_back(std::move(place));
+  for (Eigen::VectorXd& place : ListeningProblem::beside(at)) places.push_back(std::move(place));
   const auto residuals = problem.residuals_at(places);
-  const Eigen::VectorXd widths = half_widths(residuals[0].value(), problem.slopes(at, std::span(residuals).subspan(1)));
+  const Eigen::VectorXd widths =
+      half_widths(residuals[0].value(), problem.slopes(at, std::span(residuals).subspan(1)));
   std::vector<FoundNumber> numbers;
   for (std::size_t i = 0; i < recorded.open.size(); ++i) {
     const double place = at[static_cast<Eigen::Index>(i)], width = widths[static_cast<Eigen::Index>(i)];
@@ -339,8 +345,8 @@ double median_of(std::vector<double> values) {
 }
 
 // The rendered notes get their gain.
-std::vector<NoteDistance> distances_of(const std::vector<NotePicture>& recorded, std::vector<NotePicture>& rendered,
-                                       bool has_common_gain) {
+std::vector<NoteDistance> distances_of(const std::vector<NoteImpression>& recorded,
+                                       std::vector<NoteImpression>& rendered, bool has_common_gain) {
   const std::vector<double> gains = gains_of(recorded, rendered, has_common_gain);
   std::vector<NoteDistance> distances;
   for (std::size_t n = 0; n < recorded.size(); ++n) {
@@ -351,17 +357,17 @@ std::vector<NoteDistance> distances_of(const std::vector<NotePicture>& recorded,
   return distances;
 }
 
-std::vector<NotePicture> recorded_pictures(const RecordedInstrument& recorded) {
+std::vector<NoteImpression> recorded_impressions(const RecordedInstrument& recorded) {
   constexpr double kDepth_db = 40;
   constexpr std::size_t kMaxPartials = 10;
-  std::vector<NotePicture> pictures;
+  std::vector<NoteImpression> impressions;
   for (const RecordedKey& note : recorded.notes) {
-    pictures.push_back(picture_of(note.recording.samples, note.recording.sample_rate_hz, recorded.seconds, kDepth_db,
-                                  kMaxPartials));
-    if (pictures.back().power.empty())
+    impressions.push_back(impression_of(note.recording.samples, note.recording.sample_rate_hz, recorded.seconds,
+                                        kDepth_db, kMaxPartials));
+    if (impressions.back().power.empty())
       refuse(note.file, "samples", "end less than 0.05 s after the onset", "0.1 s or more of a note");
   }
-  return pictures;
+  return impressions;
 }
 
 void require_pitch(const RecordedInstrument& recorded, const std::vector<FittedNote>& notes) {
@@ -383,16 +389,16 @@ void require_pitch(const RecordedInstrument& recorded, const std::vector<FittedN
 InstrumentFit fit_instrument(const RecordedInstrument& recorded, const ReadFile& read,
                              const std::function<void(const std::string&)>& tell) {
   constexpr double kNear_cents = 40, kNear_db = 4;
-  const std::vector<NotePicture> pictures = recorded_pictures(recorded);
+  const std::vector<NoteImpression> impressions = recorded_impressions(recorded);
   const NoteRenderer renderer(recorded, read);
-  std::vector<std::size_t> all(pictures.size()), fitted;
+  std::vector<std::size_t> all(impressions.size()), fitted;
   std::iota(all.begin(), all.end(), 0);
   std::ranges::copy_if(all, std::back_inserter(fitted), [&](std::size_t n) { return !recorded.notes[n].is_kept; });
-  std::vector<NotePicture> heard;
-  for (const std::size_t n : fitted) heard.push_back(pictures[n]);
+  std::vector<NoteImpression> heard;
+  for (const std::size_t n : fitted) heard.push_back(impressions[n]);
   ListeningProblem problem(recorded, renderer, fitted, heard);
-  std::vector<NotePicture> started = renderer.render_one(problem.numbers_at(problem.start()), all);
-  const auto before = distances_of(pictures, started, recorded.has_common_gain);
+  std::vector<NoteImpression> started = renderer.render_one(problem.numbers_at(problem.start()), all);
+  const auto before = distances_of(impressions, started, recorded.has_common_gain);
   tell("trying numbers all over their bounds");
   Eigen::VectorXd at = find_place(recorded, problem);
   tell("searching");
@@ -400,14 +406,14 @@ InstrumentFit fit_instrument(const RecordedInstrument& recorded, const ReadFile&
   at = find_lower(problem, problem.search(at, kManySteps));
   problem.scales.far_db = kNear_db;
   at = problem.search(at, kManySteps);
-  problem.scales = scales_of(heard, renderer.render_one(problem.numbers_at(at), fitted), recorded.has_common_gain,
-                             problem.scales);
+  problem.scales =
+      scales_of(heard, renderer.render_one(problem.numbers_at(at), fitted), recorded.has_common_gain, problem.scales);
   at = problem.search(at, kManySteps);
-  std::vector<NotePicture> found = renderer.render_one(problem.numbers_at(at), all);
-  const auto after = distances_of(pictures, found, recorded.has_common_gain);
+  std::vector<NoteImpression> found = renderer.render_one(problem.numbers_at(at), all);
+  const auto after = distances_of(impressions, found, recorded.has_common_gain);
   InstrumentFit fit;
   for (const std::size_t n : all)
-    fit.notes.push_back({before[n], after[n], pictures[n], std::move(started[n]), std::move(found[n])});
+    fit.notes.push_back({before[n], after[n], impressions[n], std::move(started[n]), std::move(found[n])});
   require_pitch(recorded, fit.notes);
   fit.numbers = found_numbers(recorded, problem, at);
   return fit;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "generator/listen/note_picture.hpp"
+#include "generator/listen/note_impression.hpp"
 #include "generator/listen/recorded_instrument.hpp"
 
 namespace contactspline {
@@ -26,7 +26,7 @@ struct NoteDistance {
 
 struct FittedNote {
   NoteDistance before, after;
-  NotePicture recorded, started, found;  ///< the rendered ones with their gain
+  NoteImpression recorded, started, found;  ///< the rendered ones with their gain
 };
 
 struct InstrumentFit {
@@ -34,9 +34,9 @@ struct InstrumentFit {
   std::vector<FittedNote> notes;     ///< of each recording
 };
 
-/// Searches the open numbers by least squares from several starts (docs/how-to/fit.md). `tell` hears what is done now.
-/// Throws BadInput where the instrument cannot be made or played at the start, or where the strongest partial of a
-/// recording is 80 cents or more from what was found.
+/// Searches the open numbers by least squares from several starts (docs/how-to/fit.md). `tell` hears what is done
+/// now. Throws BadInput where the instrument cannot be made or played at the start, or where the strongest partial of
+/// a recording is 80 cents or more from what was found.
 [[nodiscard]] InstrumentFit fit_instrument(const RecordedInstrument& recorded, const ReadFile& read,
                                            const std::function<void(const std::string&)>& tell);
 

@@ -39,8 +39,8 @@ InstrumentMaker maker_of(const RecordedInstrument& recorded, const ReadFile& rea
   return maker_of_text(filled(recorded.text, open, point), recorded.file, read, materials);
 }
 
-NotePicture play(const InstrumentMaker& maker, const RecordedInstrument& recorded, const RecordedKey& note,
-                 const std::vector<double>& point) {
+NoteImpression play(const InstrumentMaker& maker, const RecordedInstrument& recorded, const RecordedKey& note,
+                    const std::vector<double>& point) {
   const double rate_hz = note.recording.sample_rate_hz;
   const auto instrument = maker.make<double>(rate_hz);
   instrument->prepare(rate_hz);
@@ -56,13 +56,15 @@ NotePicture play(const InstrumentMaker& maker, const RecordedInstrument& recorde
   into.outputs[output_of(*instrument, recorded)] = samples;
   render<double>(*instrument, std::span(&event, 1), samples.size(), into, [] {});
   if (std::ranges::all_of(samples, [](double sample) { return sample == 0; }))
-    refuse(recorded.file, "outputs", fmt::format("key {} of {} is silent", note.key, note.file), "an output that sounds");
-  return picture_of(samples, rate_hz, recorded.seconds, kDepth_db, kMaxPartials);
+    refuse(recorded.file, "outputs", fmt::format("key {} of {} is silent", note.key, note.file),
+           "an output that sounds");
+  return impression_of(samples, rate_hz, recorded.seconds, kDepth_db, kMaxPartials);
 }
 
 void run_on_all_cores(std::size_t tasks, const std::function<void(std::size_t)>& task) {
   std::atomic<bool> is_stopped = false;
-  run_tasks(tasks, std::max(1u, std::thread::hardware_concurrency()), task, [](std::size_t) {}, is_stopped);
+  run_tasks(
+      tasks, std::max(1u, std::thread::hardware_concurrency()), task, [](std::size_t) {}, is_stopped);
 }
 
 }  // namespace
@@ -83,34 +85,33 @@ std::vector<RenderedNotes> NoteRenderer::render(std::span<const std::vector<doub
     } catch (const BadInput&) {
     }
   });
-  std::vector<std::optional<NotePicture>> pictures(points.size() * notes.size());
-  run_on_all_cores(pictures.size(), [&](std::size_t i) {
+  std::vector<std::optional<NoteImpression>> impressions(points.size() * notes.size());
+  run_on_all_cores(impressions.size(), [&](std::size_t i) {
     const std::size_t p = i / notes.size();
     if (!makers[p]) return;
     try {
-      pictures[i] = play(*makers[p], recorded_, recorded_.notes[notes[i % notes.size()]], points[p]);
+      impressions[i] = play(*makers[p], recorded_, recorded_.notes[notes[i % notes.size()]], points[p]);
     } catch (const BadInput&) {
     } catch (const NotFinite&) {
     }
   });
   std::vector<RenderedNotes> rendered(points.size());
   for (std::size_t p = 0; p < points.size(); ++p) {
-    const auto of_point = std::span(pictures).subspan(p * notes.size(), notes.size());
-    if (!std::ranges::all_of(of_point, [](const auto& picture) { return picture.has_value(); })) continue;
+    const auto of_point = std::span(impressions).subspan(p * notes.size(), notes.size());
+    if (!std::ranges::all_of(of_point, [](const auto& impression) { return impression.has_value(); })) continue;
     rendered[p].emplace();
-    for (auto& picture : of_point) rendered[p]->push_back(std::move(*picture));
+    for (auto& impression : of_point) rendered[p]->push_back(std::move(*impression));
   }
   return rendered;
 }
 
-std::vector<NotePicture> NoteRenderer::render_one(const std::vector<double>& point,
-                                                  std::span<const std::size_t> notes) const {
+std::vector<NoteImpression> NoteRenderer::render_one(const std::vector<double>& point,
+                                                     std::span<const std::size_t> notes) const {
   const InstrumentMaker maker = maker_of(recorded_, read_, *materials_, point);
-  std::vector<NotePicture> pictures(notes.size());
-  run_on_all_cores(notes.size(), [&](std::size_t i) {
-    pictures[i] = play(maker, recorded_, recorded_.notes[notes[i]], point);
-  });
-  return pictures;
+  std::vector<NoteImpression> impressions(notes.size());
+  run_on_all_cores(notes.size(),
+                   [&](std::size_t i) { impressions[i] = play(maker, recorded_, recorded_.notes[notes[i]], point); });
+  return impressions;
 }
 
 }  // namespace contactspline

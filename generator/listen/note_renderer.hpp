@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Renders the notes of a recorded instrument with numbers in place of its open ones, as pictures.
+// Renders the notes of a recorded instrument with numbers in place of its open ones, as impressions.
 #pragma once
 
 #include <memory>
@@ -7,29 +7,30 @@
 #include <span>
 #include <vector>
 
-#include "generator/listen/note_picture.hpp"
+#include "generator/listen/note_impression.hpp"
 #include "generator/listen/recorded_instrument.hpp"
 #include "generator/spline/designed_materials.hpp"
 
 namespace contactspline {
 
-/// The pictures of all notes with the same numbers; nothing where the instrument cannot be made or played with them.
-using RenderedNotes = std::optional<std::vector<NotePicture>>;
+/// The impressions of all notes with the same numbers; nothing where the instrument cannot be made or played with
+/// them.
+using RenderedNotes = std::optional<std::vector<NoteImpression>>;
 
 class NoteRenderer {
  public:
   /// Both must outlive it.
   NoteRenderer(const RecordedInstrument& recorded, const ReadFile& read);
 
-  /// The pictures of these notes with each of the points, on all cores. A point has a number for each open one. Notes
-  /// have the rate of their recording.
+  /// The impressions of these notes with each of the points, on all cores. A point has a number for each open one.
+  /// Notes have the rate of their recording.
   [[nodiscard]] std::vector<RenderedNotes> render(std::span<const std::vector<double>> points,
                                                   std::span<const std::size_t> notes) const;
 
   /// The same with one point. Throws BadInput where the instrument cannot be made, a key does not play, or what is
   /// rendered is silent.
-  [[nodiscard]] std::vector<NotePicture> render_one(const std::vector<double>& point,
-                                                    std::span<const std::size_t> notes) const;
+  [[nodiscard]] std::vector<NoteImpression> render_one(const std::vector<double>& point,
+                                                       std::span<const std::size_t> notes) const;
 
  private:
   const RecordedInstrument& recorded_;

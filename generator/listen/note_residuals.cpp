@@ -21,11 +21,11 @@ double cents_residual(double cents, double far_cents) {
 
 }  // namespace
 
-std::vector<double> gains_of(std::span<const NotePicture> recorded, std::span<const NotePicture> rendered,
+std::vector<double> gains_of(std::span<const NoteImpression> recorded, std::span<const NoteImpression> rendered,
                              bool has_common_gain) {
-  std::vector<const NotePicture*> theirs, ours;
-  for (const NotePicture& picture : recorded) theirs.push_back(&picture);
-  for (const NotePicture& picture : rendered) ours.push_back(&picture);
+  std::vector<const NoteImpression*> theirs, ours;
+  for (const NoteImpression& impression : recorded) theirs.push_back(&impression);
+  for (const NoteImpression& impression : rendered) ours.push_back(&impression);
   if (has_common_gain) return std::vector<double>(recorded.size(), gain_between(theirs, ours));
   std::vector<double> gains;
   for (std::size_t n = 0; n < recorded.size(); ++n)
@@ -33,7 +33,7 @@ std::vector<double> gains_of(std::span<const NotePicture> recorded, std::span<co
   return gains;
 }
 
-Residuals residuals_of(std::span<const NotePicture> recorded, std::span<const NotePicture> rendered,
+Residuals residuals_of(std::span<const NoteImpression> recorded, std::span<const NoteImpression> rendered,
                        bool has_common_gain, const ResidualScales& scales) {
   const std::vector<double> gains = gains_of(recorded, rendered, has_common_gain);
   const double of_level = 1 / (scales.level_db * std::sqrt(kTogether));
@@ -42,9 +42,9 @@ Residuals residuals_of(std::span<const NotePicture> recorded, std::span<const No
     const NoteDifference difference = compare(recorded[n], rendered[n], gains[n]);
     for (std::size_t i = 0; i < difference.level_db.size(); ++i) {
       residuals.values.push_back(of_level * level_residual(difference.level_db[i], scales.far_db));
-      residuals.groups.push_back(residuals.group_count + i % NotePicture::kBands / kBandsOfGroup);
+      residuals.groups.push_back(residuals.group_count + i % NoteImpression::kBands / kBandsOfGroup);
     }
-    residuals.group_count += NotePicture::kBands / kBandsOfGroup;
+    residuals.group_count += NoteImpression::kBands / kBandsOfGroup;
     for (const double cents : difference.cents) {
       residuals.values.push_back(cents_residual(cents, scales.far_cents) / scales.cents);
       residuals.groups.push_back(residuals.group_count++);
@@ -53,19 +53,20 @@ Residuals residuals_of(std::span<const NotePicture> recorded, std::span<const No
   return residuals;
 }
 
-std::size_t count_residuals(std::span<const NotePicture> recorded) {
+std::size_t count_residuals(std::span<const NoteImpression> recorded) {
   std::size_t count = 0;
-  for (const NotePicture& picture : recorded) count += picture.power.size() + picture.partials.size();
+  for (const NoteImpression& impression : recorded) count += impression.power.size() + impression.partials.size();
   return count;
 }
 
-ResidualScales scales_of(std::span<const NotePicture> recorded, std::span<const NotePicture> rendered,
+ResidualScales scales_of(std::span<const NoteImpression> recorded, std::span<const NoteImpression> rendered,
                          bool has_common_gain, const ResidualScales& before) {
   const std::vector<double> gains = gains_of(recorded, rendered, has_common_gain);
   double levels = 0, level_squares = 0, partials = 0, cent_squares = 0;
   for (std::size_t n = 0; n < recorded.size(); ++n) {
     const NoteDifference difference = compare(recorded[n], rendered[n], gains[n]);
-    for (const double level_db : difference.level_db) ++levels, level_squares += std::pow(level_residual(level_db, before.far_db), 2);
+    for (const double level_db : difference.level_db)
+      ++levels, level_squares += std::pow(level_residual(level_db, before.far_db), 2);
     for (const double cents : difference.cents)
       ++partials, cent_squares += std::pow(cents_residual(cents, before.far_cents), 2);
   }

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "generator/listen/note_picture.hpp"
+#include "generator/listen/note_impression.hpp"
 
 namespace contactspline {
 
@@ -27,18 +27,20 @@ struct Residuals {
 };
 
 /// recorded and rendered: of each note; with one gain for each note or one for all.
-[[nodiscard]] Residuals residuals_of(std::span<const NotePicture> recorded, std::span<const NotePicture> rendered,
-                                     bool has_common_gain, const ResidualScales& scales);
+[[nodiscard]] Residuals residuals_of(std::span<const NoteImpression> recorded,
+                                     std::span<const NoteImpression> rendered, bool has_common_gain,
+                                     const ResidualScales& scales);
 
 /// How many residuals there are of these recordings.
-[[nodiscard]] std::size_t count_residuals(std::span<const NotePicture> recorded);
+[[nodiscard]] std::size_t count_residuals(std::span<const NoteImpression> recorded);
 
 /// The gain of each note [dB].
-[[nodiscard]] std::vector<double> gains_of(std::span<const NotePicture> recorded, std::span<const NotePicture> rendered,
-                                           bool has_common_gain);
+[[nodiscard]] std::vector<double> gains_of(std::span<const NoteImpression> recorded,
+                                           std::span<const NoteImpression> rendered, bool has_common_gain);
 
 /// Scales by which the residuals of levels and those of partials have a mean square of 1 each.
-[[nodiscard]] ResidualScales scales_of(std::span<const NotePicture> recorded, std::span<const NotePicture> rendered,
-                                       bool has_common_gain, const ResidualScales& before);
+[[nodiscard]] ResidualScales scales_of(std::span<const NoteImpression> recorded,
+                                       std::span<const NoteImpression> rendered, bool has_common_gain,
+                                       const ResidualScales& before);
 
 }  // namespace contactspline

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "generator/support/error.hpp"
+#include "generator/support/json_syntax.hpp"
 
 namespace contactspline {
 namespace {
@@ -30,7 +31,8 @@ void read_velocity(const JsonObject& entry, RecordedKey& note, std::vector<OpenN
     note.velocity = entry.number("velocity", kVelocity);
     return;
   }
-  if (note.is_kept) entry.fail(key, "is not stated, but the recording is kept", "a number from 0.01 to 1, such as 0.7");
+  if (note.is_kept)
+    entry.fail(key, "is not stated, but the recording is kept", "a number from 0.01 to 1, such as 0.7");
   OpenNumber velocity{key, kAnyVelocity, 0.5};
   if (is_open) velocity = read_open_number(entry.object("velocity", {"fit", "start"}), key);
   if (velocity.bounds.min < kVelocity.min || velocity.bounds.max > kVelocity.max)
@@ -39,8 +41,9 @@ void read_velocity(const JsonObject& entry, RecordedKey& note, std::vector<OpenN
   open.push_back(velocity);
 }
 
-void read_recordings(const JsonObject& fit, const ReadFile& read, RecordedInstrument& recorded) {
-  for (const JsonObject& entry : fit.objects("recordings", {"file", "key", "velocity", "kept"}, kMaxRecordings)) {
+void read_recordings(const JsonObject& fit, const std::vector<JsonObject>& entries, const ReadFile& read,
+                     RecordedInstrument& recorded) {
+  for (const JsonObject& entry : entries) {
     const std::string path = entry.text("file", "a sound file of one channel, relative to the fit file");
     RecordedKey note{path, entry.integer("key", 0, 127), 0, {}, read_is_kept(entry), {}};
     read_velocity(entry, note, recorded.open);
@@ -56,12 +59,15 @@ void read_recordings(const JsonObject& fit, const ReadFile& read, RecordedInstru
 }  // namespace
 
 bool is_recorded_instrument(std::string_view text, std::string_view file) {
+  if (is_something_else(text)) return false;
   const std::vector<std::string> keys = json_keys(text, file, "fit");
   return std::ranges::count(keys, kInstrumentKey) + std::ranges::count(keys, "recordings") > 0;
 }
 
 RecordedInstrument parse_recorded_instrument(std::string_view text, const std::string& file, const ReadFile& read) {
   const JsonObject fit = parse_json(text, file, "fit", kKeysOfFit);
+  const std::vector<JsonObject> entries =
+      fit.objects("recordings", {"file", "key", "velocity", "kept"}, kMaxRecordings);
   RecordedInstrument recorded;
   recorded.file = fit.text(kInstrumentKey, "an instrument file (.json), relative to the fit file");
   recorded.text = read_for_key(file, kInstrumentKey, recorded.file, read);
@@ -75,10 +81,11 @@ RecordedInstrument parse_recorded_instrument(std::string_view text, const std::s
   if (fit.has("output")) recorded.output = fit.text("output", "the name of an output");
   if (fit.has("gain")) {
     const std::string gain = fit.text("gain", "each, common");
-    if (gain != "each" && gain != "common") fit.fail("gain", fmt::format("'{}' is unknown", shown(gain)), "each, common");
+    if (gain != "each" && gain != "common")
+      fit.fail("gain", fmt::format("'{}' is unknown", shown(gain)), "each, common");
     recorded.has_common_gain = gain == "common";
   }
-  read_recordings(fit, read, recorded);
+  read_recordings(fit, entries, read, recorded);
   return recorded;
 }
 

@@ -24,15 +24,15 @@ struct RecordedKey {
 };
 
 struct RecordedInstrument {
-  std::string name;                   ///< of the instrument
-  std::string text, file;             ///< of the instrument file
-  std::vector<std::string> files;     ///< all that were read, relative to the fit file
-  std::size_t open_in_text = 0;       ///< so many of the open numbers stand in the text; the others are velocities
+  std::string name;                ///< of the instrument
+  std::string text, file;          ///< of the instrument file
+  std::vector<std::string> files;  ///< all that were read, relative to the fit file
+  std::size_t open_in_text = 0;    ///< so many of the open numbers stand in the text; the others are velocities
   std::vector<OpenNumber> open;
   std::vector<RecordedKey> notes;
-  std::string output;                 ///< its name; empty: the first
-  double seconds = 1;                 ///< of each note that are compared, from its onset on
-  bool has_common_gain = false;       ///< else each recording has a gain of its own
+  std::string output;            ///< its name; empty: the first
+  double seconds = 1;            ///< of each note that are compared, from its onset on
+  bool has_common_gain = false;  ///< else each recording has a gain of its own
 };
 
 /// Does the text have the keys of such a fit file?

@@ -44,6 +44,21 @@ TEST(FitTutorials, FindTheMalletFromARecordedBar) {
   expect_fit("mallet", "power none", {{"stiffness_n_per_m_alpha", 8e8}, {"exponent", 1.8}, {"mass_kg", 0.032}});
 }
 
+TEST(FitTutorials, FindTheTineFromItsNotes) {
+  const auto fit =
+      nlohmann::json::parse(succeed({.arguments = {"fit", (kExamples / "tine.fit.json").string(), "--json"}}));
+  for (const auto& [open, value] : {std::pair{"bodies[0].bar.bending_stiffness_n_m2", 0.0341},
+                                    {"bodies[0].bar.constant_loss_per_s", 5.0},
+                                    {"contacts[0].weight", 0.5},
+                                    {"recordings[1].velocity", 0.9}}) {
+    const auto& found = fit.at("estimates").at(open);
+    EXPECT_LE(found.at("low").get<double>(), value) << open;
+    EXPECT_GE(found.at("high").get<double>(), value) << open;
+    EXPECT_LT(found.at("high").get<double>() / found.at("low").get<double>(), 1.05) << open;
+  }
+  EXPECT_LT(fit.at("recordings").at(2).at("after").at("level_db").get<double>(), 0.1);
+}
+
 TEST(FitTutorials, HaveTheDataOfTheirScript) {
   const Sandbox box;
   const std::string command =
@@ -82,7 +97,7 @@ TEST(FitPage, TellsExcerptsFromOtherText) {
 TEST(FitPage, ShowsFilesAndReportsAsTheyAre) {
   const std::string page = read_file(fs::path(SOURCE_FOLDER) / "docs/how-to/fit.md"), fence = "```text\n";
   std::size_t at = 0;
-  for (const char* name : {"felt", "rubber_ball", "mallet"}) {
+  for (const char* name : {"felt", "rubber_ball", "mallet", "tine"}) {
     const fs::path file = kExamples / (std::string(name) + ".fit.json");
     EXPECT_NE(page.find("```json\n" + read_file(file) + "```"), std::string::npos) << name;
     at = page.find(fence, at);

@@ -53,9 +53,8 @@ void PrintTo(const Known& known, std::ostream* stream) {
   *stream << known.test;
 }
 
-const Known kKalimba{
-    "Kalimba",
-    R"({ "name": "kalimba", "bodies": [
+const Known kKalimba{"Kalimba",
+                     R"({ "name": "kalimba", "bodies": [
     { "name": "tine", "bar": { "length_m": 0.0385, "mass_kg": 0.000967, "bending_stiffness_n_m2": @0,
       "ends": ["clamped", "free"], "constant_loss_per_s": @1, "quadratic_loss_m2_per_s": 0.0003 }, "max_modes": 4 },
     { "name": "thumb", "mass_kg": 0.001 }],
@@ -63,14 +62,13 @@ const Known kKalimba{
   "contacts": [{ "name": "tip", "between": ["thumb", "struck"], "material": "felt_c4", "weight": @2, "gap_m": 0.001 }],
   "strikes": ["thumb"], "outputs": [{ "name": "tine", "velocity_m_per_s": "struck" }],
   "keys": [{ "key": 69, "event": "strike_thumb" }] })",
-    {{"bodies[0].bar.bending_stiffness_n_m2", 0.0341, 0.025, 0.05, 1e-3},
-     {"bodies[0].bar.constant_loss_per_s", 5, 1, 20, 0.03},
-     {"contacts[0].weight", 0.5, 0.1, 2, 0.05}},
-    {{69, 0.3}, {69, 0.9}, {69, 0.6, true}}};
+                     {{"bodies[0].bar.bending_stiffness_n_m2", 0.0341, 0.025, 0.05, 1e-3},
+                      {"bodies[0].bar.constant_loss_per_s", 5, 1, 20, 0.03},
+                      {"contacts[0].weight", 0.5, 0.1, 2, 0.05}},
+                     {{69, 0.3}, {69, 0.9}, {69, 0.6, true}}};
 
-const Known kString{
-    "String",
-    R"({ "name": "zither", "bodies": [
+const Known kString{"String",
+                    R"({ "name": "zither", "bodies": [
     { "name": "string", "string": { "length_m": 0.62, "mass_kg": 0.00393, "tension_n": @0,
       "bending_stiffness_n_m2": 0.0098, "constant_loss_per_s": 1, "quadratic_loss_m2_per_s": @1 }, "max_modes": 30 },
     { "name": "hammer", "mass_kg": 0.003 }],
@@ -78,14 +76,13 @@ const Known kString{
   "contacts": [{ "name": "felt", "between": ["hammer", "struck"], "material": "felt_c4", "gap_m": 0.001 }],
   "strikes": ["hammer"], "outputs": [{ "name": "bridge", "end_force_n": "string" }],
   "keys": [{ "first": 55, "last": 65, "event": "strike_hammer", "tuned_key": 60 }] })",
-    {{"bodies[0].string.tension_n", 670, 550, 800, 1e-3},
-     {"bodies[0].string.quadratic_loss_m2_per_s", 3e-4, 5e-5, 1e-3, 0.05},
-     {"places[0].position_m", 0.074, 0.05, 0.11, 0.02}},
-    {{60, 0.3}, {60, 0.9}, {55, 0.6, true}}};
+                    {{"bodies[0].string.tension_n", 670, 550, 800, 1e-3},
+                     {"bodies[0].string.quadratic_loss_m2_per_s", 3e-4, 5e-5, 1e-3, 0.05},
+                     {"places[0].position_m", 0.074, 0.05, 0.11, 0.02}},
+                    {{60, 0.3}, {60, 0.9}, {55, 0.6, true}}};
 
-const Known kDrum{
-    "Drum",
-    R"({ "name": "drum", "bodies": [
+const Known kDrum{"Drum",
+                  R"({ "name": "drum", "bodies": [
     { "name": "head", "membrane": { "radius_m": 0.16, "mass_per_area_kg_m2": 0.3, "tension_n_per_m": @0,
       "constant_loss_per_s": 6, "quadratic_loss_m2_per_s": @1 }, "max_modes": 40 },
     { "name": "stick", "mass_kg": 0.02 }],
@@ -93,10 +90,10 @@ const Known kDrum{
   "contacts": [{ "name": "tip", "between": ["stick", "struck"], "material": "felt_over_wood", "gap_m": 0.004 }],
   "strikes": ["stick"], "outputs": [{ "name": "microphone", "pressure_pa": "head", "distance_m": 0.5 }],
   "keys": [{ "key": 45, "event": "strike_stick" }] })",
-    {{"bodies[0].membrane.tension_n_per_m", 1500, 900, 2500, 1e-3},
-     {"bodies[0].membrane.quadratic_loss_m2_per_s", 3e-3, 1e-3, 1e-2, 0.05},
-     {"places[0].position_m", 0.05, 0.02, 0.1, 0.02}},
-    {{45, 0.3}, {45, 0.9}, {45, 0.6, true}}};
+                  {{"bodies[0].membrane.tension_n_per_m", 1500, 900, 2500, 1e-3},
+                   {"bodies[0].membrane.quadratic_loss_m2_per_s", 3e-3, 1e-3, 1e-2, 0.05},
+                   {"places[0].position_m", 0.05, 0.02, 0.1, 0.02}},
+                  {{45, 0.3}, {45, 0.9}, {45, 0.6, true}}};
 
 // A room of 0.2 s, 50 dB softer than the note, and noise 60 dB below its peak.
 std::vector<double> in_a_room(const std::vector<double>& dry, int rate, unsigned seed) {
@@ -130,19 +127,21 @@ void record(const Sandbox& box, const Known& known, const std::string& more = ""
   std::string recordings;
   for (std::size_t n = 0; n < known.notes.size(); ++n) {
     const auto& [key, velocity, is_kept] = known.notes[n];
-    write_file(box / "score.json",
-               fmt::format(R"({{ "instrument": "true.json", "duration_s": 0.9,
+    write_file(box / "score.json", fmt::format(R"({{ "instrument": "true.json", "duration_s": 0.9,
                                  "events": [{{ "time_s": 0.2, "key": {}, "velocity": {} }}] }})",
-                           key, velocity));
-    succeed(run({.arguments = {"render", "score.json", "--no-figure", "--rate", fmt::format("{}", kRate), "-o", "dry.wav"},
-                 .folder = box.path()}));
+                                               key, velocity));
+    succeed(run(
+        {.arguments = {"render", "score.json", "--no-figure", "--rate", fmt::format("{}", kRate), "-o", "dry.wav"},
+         .folder = box.path()}));
     const std::string name = fmt::format("note_{}.wav", n);
-    write_sound(box / name, in_a_room(read_sound(box / "dry.wav").samples, kRate, static_cast<unsigned>(n + 1)), kRate);
-    recordings += fmt::format(R"({}{{ "file": "{}", "key": {}, "velocity": {}, "kept": {} }})", n > 0 ? ", " : "", name,
-                              key, velocity, is_kept);
+    write_sound(box / name, in_a_room(read_sound(box / "dry.wav").samples, kRate, static_cast<unsigned>(n + 1)),
+                kRate);
+    recordings += fmt::format(R"({}{{ "file": "{}", "key": {}, "velocity": {}, "kept": {} }})", n > 0 ? ", " : "",
+                              name, key, velocity, is_kept);
   }
-  write_file(box / "my.fit.json", fmt::format(R"({{ "instrument": "open.json", "recordings": [{}], "seconds": 0.5{} }})",
-                                              recordings, more));
+  write_file(
+      box / "my.fit.json",
+      fmt::format(R"({{ "instrument": "open.json", "recordings": [{}], "seconds": 0.5{} }})", recordings, more));
 }
 
 Outcome fitted(const Sandbox& box, const Words& more = {}) {
@@ -220,9 +219,11 @@ std::vector<Bad> bad_fits() {
       {"silent", of_file("silent.wav"), "silent.wav: samples: the recording is silent", "a struck note"},
       {"clipped", of_file("clipped.wav"), "clipped.wav: samples: ", "below full scale"},
       {"short", of_file("short.wav"), "short.wav: samples: end less than 0.05 s", "0.1 s or more"},
-      {"wrong_pitch", of_file("sine.wav"), "sine.wav: samples: the strongest partial, of 1234 Hz, is ", "wider bounds"},
+      {"wrong_pitch", of_file("sine.wav"), "sine.wav: samples: the strongest partial, of 1234 Hz, is ",
+       "wider bounds"},
       {"unknown_key", fit_of(good, R"(, "rate": 1)"), fit + "rate: unknown key", "seconds"},
-      {"unknown_key_of_a_note", fit_of(good + R"(, "pitch": 440)"), fit + "recordings[0].pitch: unknown key", "velocity"},
+      {"unknown_key_of_a_note", fit_of(good + R"(, "pitch": 440)"), fit + "recordings[0].pitch: unknown key",
+       "velocity"},
       {"no_recordings", R"({ "instrument": "open.json" })", fit + "recordings: missing", ""},
       {"no_instrument", fmt::format(R"({{ "recordings": [{{ {} }}] }})", good), fit + "instrument: missing", ".json"},
       {"all_kept", fit_of(good + R"(, "kept": true)"), fit + "recordings: all are kept", "one or more"},

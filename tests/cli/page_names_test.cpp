@@ -118,11 +118,12 @@ class Readers {
 
   void ask(const Json& file, const std::string& name) {
     if (file.value("instrument", "") == "bell") return;  // a model of one's own: package.own_plugin plays it
-    const Words command = file.contains("pulses") || file.contains("tables") || file.contains("struck")
-                              ? Words{"fit", "asked.json", "-o", "fitted.json"}
-                          : file.contains("count")  ? Words{"dataset", "asked.json", "-o", "out"}
-                          : file.contains("events") ? Words{"render", "asked.json", "-o", "a.wav"}
-                                                    : Words{"generate", "asked.json", "-o", "out"};
+    const Words command =
+        file.contains("pulses") || file.contains("tables") || file.contains("struck") || file.contains("recordings")
+            ? Words{"fit", "asked.json", "-o", "fitted.json"}
+        : file.contains("count")  ? Words{"dataset", "asked.json", "-o", "out"}
+        : file.contains("events") ? Words{"render", "asked.json", "-o", "a.wav"}
+                                  : Words{"generate", "asked.json", "-o", "out"};
     const Json flat = file.flatten();
     for (const auto& [place, value] : flat.items())
       for (Json::json_pointer at = Json::json_pointer(place).parent_pointer();; at = at.parent_pointer()) {

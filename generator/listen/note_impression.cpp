@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "generator/listen/note_picture.hpp"
+#include "generator/listen/note_impression.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -74,10 +74,10 @@ std::vector<Band> bands_of(double sample_rate_hz, std::size_t length) {
   const double lowest = mel(kLowest_hz), highest = mel(std::min(kHighest_hz, kHighest * sample_rate_hz));
   const double bin_hz = sample_rate_hz / static_cast<double>(length);
   const auto edge = [&](std::size_t i) {
-    return frequency_of(lowest + (highest - lowest) * static_cast<double>(i) / (NotePicture::kBands + 1));
+    return frequency_of(lowest + (highest - lowest) * static_cast<double>(i) / (NoteImpression::kBands + 1));
   };
   std::vector<Band> bands;
-  for (std::size_t b = 0; b < NotePicture::kBands; ++b) {
+  for (std::size_t b = 0; b < NoteImpression::kBands; ++b) {
     const double low = edge(b), middle = edge(b + 1), high = edge(b + 2);
     Band band{middle, static_cast<std::size_t>(std::ceil(low / bin_hz)), {}};
     double sum = 0;
@@ -123,7 +123,7 @@ std::vector<Partial> partials_of(std::span<const double> samples, std::size_t on
   for (std::size_t i = first; i < last; ++i) {
     if (!(power[i] > 0) || power[i] < power[i - 1] || power[i] < power[i + 1]) continue;
     const auto around = std::span(power).subspan(i - lobe, 2 * lobe + 1);
-    if ( power[i] < std::ranges::max(around) || !stands_out(power, i, lobe)) continue;
+    if (power[i] < std::ranges::max(around) || !stands_out(power, i, lobe)) continue;
     const double a = decibels(power[i - 1]), b = decibels(power[i]), c = decibels(power[i + 1]);
     found.push_back({(static_cast<double>(i) + 0.5 * (a - c) / (a - 2 * b + c)) * bin_hz, b});
   }
@@ -147,23 +147,23 @@ std::vector<double> noise_before(Spectrum& spectrum, const std::vector<Band>& ba
   return noise;
 }
 
-// A frame and a band of both pictures, as powers above the floor of the recording.
+// A frame and a band of both impressions, as powers above the floor of the recording.
 struct Cell {
   double recorded, rendered, beside;  ///< beside: what is added to both, noise to the rendered one alone
 };
 
 template <typename Take>
-void for_cells(const NotePicture& recorded, const NotePicture& rendered, const Take& take) {
-  const double floor = recorded.loudest() * std::pow(10, NotePicture::kFloor_db / 10);
+void for_cells(const NoteImpression& recorded, const NoteImpression& rendered, const Take& take) {
+  const double floor = recorded.loudest() * std::pow(10, NoteImpression::kFloor_db / 10);
   for (std::size_t i = 0; i < recorded.power.size(); ++i) {
     const double power = i < rendered.power.size() ? rendered.power[i] : 0;
-    take(Cell{recorded.power[i] + floor, power, recorded.noise[i % NotePicture::kBands] + floor});
+    take(Cell{recorded.power[i] + floor, power, recorded.noise[i % NoteImpression::kBands] + floor});
   }
 }
 
 }  // namespace
 
-double NotePicture::loudest() const {
+double NoteImpression::loudest() const {
   return std::ranges::max(power);
 }
 
@@ -183,28 +183,29 @@ double onset_of(std::span<const double> samples, double sample_rate_hz) {
   return (static_cast<double>(found - sums.begin()) - (*found - least) / (*found - before)) / sample_rate_hz;
 }
 
-NotePicture picture_of(std::span<const double> samples, double sample_rate_hz, double seconds, double depth_db,
-                       std::size_t max_partials) {
+NoteImpression impression_of(std::span<const double> samples, double sample_rate_hz, double seconds, double depth_db,
+                             std::size_t max_partials) {
   const std::size_t window = std::bit_ceil(static_cast<std::size_t>(0.75 * kWindow_s * sample_rate_hz));
   const auto hop = static_cast<std::ptrdiff_t>(window / 4);
   const std::vector<Band> bands = bands_of(sample_rate_hz, window);
   const double exact_begin = (onset_of(samples, sample_rate_hz) - kBefore_s) * sample_rate_hz;
   const auto begin = static_cast<std::ptrdiff_t>(std::floor(exact_begin));
   const auto end = std::min(std::ssize(samples), begin + static_cast<std::ptrdiff_t>(seconds * sample_rate_hz));
-  NotePicture picture{static_cast<double>(hop) / sample_rate_hz, {}, {}, {}, {}};
+  NoteImpression impression{static_cast<double>(hop) / sample_rate_hz, {}, {}, {}, {}};
   Spectrum spectrum(window, window, exact_begin - static_cast<double>(begin));
-  for (const Band& band : bands) picture.band_hz.push_back(band.middle_hz);
+  for (const Band& band : bands) impression.band_hz.push_back(band.middle_hz);
   for (std::ptrdiff_t at = begin; at + static_cast<std::ptrdiff_t>(window) <= end; at += hop) {
     const std::vector<double>& power = spectrum.from(samples, at);
-    for (const Band& band : bands) picture.power.push_back(band.power(power));
+    for (const Band& band : bands) impression.power.push_back(band.power(power));
   }
-  picture.noise = noise_before(spectrum, bands, samples, begin, static_cast<std::ptrdiff_t>(window));
-  picture.partials = partials_of(samples, static_cast<std::size_t>(std::max<std::ptrdiff_t>(begin, 0)), sample_rate_hz,
-                                 depth_db, max_partials);
-  return picture;
+  impression.noise = noise_before(spectrum, bands, samples, begin, static_cast<std::ptrdiff_t>(window));
+  impression.partials = partials_of(samples, static_cast<std::size_t>(std::max<std::ptrdiff_t>(begin, 0)),
+                                    sample_rate_hz, depth_db, max_partials);
+  return impression;
 }
 
-double gain_between(std::span<const NotePicture* const> recorded, std::span<const NotePicture* const> rendered) {
+double gain_between(std::span<const NoteImpression* const> recorded,
+                    std::span<const NoteImpression* const> rendered) {
   constexpr int kSteps = 8;
   double theirs = 0, ours = 0;
   for (std::size_t n = 0; n < recorded.size(); ++n)
@@ -227,7 +228,7 @@ double gain_between(std::span<const NotePicture* const> recorded, std::span<cons
   return gain_db;
 }
 
-NoteDifference compare(const NotePicture& recorded, const NotePicture& rendered, double gain_db) {
+NoteDifference compare(const NoteImpression& recorded, const NoteImpression& rendered, double gain_db) {
   constexpr double kFarthest_cents = 2400;
   const double gain = std::pow(10, gain_db / 10);
   NoteDifference difference;
@@ -245,8 +246,9 @@ NoteDifference compare(const NotePicture& recorded, const NotePicture& rendered,
   return difference;
 }
 
-double distance_db(const NotePicture& recorded, const NotePicture& rendered, double gain_db) {
-  const double floor = recorded.loudest() * std::pow(10, NotePicture::kFloor_db / 10), gain = std::pow(10, gain_db / 10);
+double distance_db(const NoteImpression& recorded, const NoteImpression& rendered, double gain_db) {
+  const double floor = recorded.loudest() * std::pow(10, NoteImpression::kFloor_db / 10),
+               gain = std::pow(10, gain_db / 10);
   double sum = 0;
   for (std::size_t i = 0; i < recorded.power.size(); ++i) {
     const double power = i < rendered.power.size() ? rendered.power[i] : 0;
