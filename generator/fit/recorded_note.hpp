@@ -16,8 +16,8 @@ struct RecordedSound {
   std::vector<double> samples;  ///< full scale is 1
 };
 
-/// Decodes a sound file of one channel: what libsndfile reads. Throws BadInput.
-[[nodiscard]] RecordedSound read_recording(std::string_view bytes, const std::string& file);
+/// Decodes a sound file: what libsndfile reads, the mean of its channels. Throws BadInput, also for more channels.
+[[nodiscard]] RecordedSound read_recording(std::string_view bytes, const std::string& file, int max_channels = 1);
 
 /// Throws BadInput if a recording is silent or saturated.
 void require_sounding(const RecordedSound& recording, const std::string& file);

@@ -5,7 +5,7 @@
 
 namespace contactspline {
 
-RecordedSound read_recording(std::string_view /*bytes*/, const std::string& file) {
+RecordedSound read_recording(std::string_view /*bytes*/, const std::string& file, int /*max_channels*/) {
   refuse(file, "file", "is no table, and this program was built without libsndfile", "a table of levels");
 }
 

@@ -44,10 +44,10 @@ void read_velocity(const JsonObject& entry, RecordedKey& note, std::vector<OpenN
 void read_recordings(const JsonObject& fit, const std::vector<JsonObject>& entries, const ReadFile& read,
                      RecordedInstrument& recorded) {
   for (const JsonObject& entry : entries) {
-    const std::string path = entry.text("file", "a sound file of one channel, relative to the fit file");
+    const std::string path = entry.text("file", "a sound file of one or two channels, relative to the fit file");
     RecordedKey note{path, entry.integer("key", 0, 127), 0, {}, read_is_kept(entry), {}};
     read_velocity(entry, note, recorded.open);
-    note.recording = read_recording(read_for_key(fit.file(), entry.key("file"), path, read), path);
+    note.recording = read_recording(read_for_key(fit.file(), entry.key("file"), path, read), path, 2);
     require_sounding(note.recording, path);
     recorded.files.push_back(path);
     recorded.notes.push_back(std::move(note));

@@ -23,8 +23,8 @@ Bar with_ends(Bar bar, BarEnd end) {
 QuadratureRule rule_of(const Bar& bar, const Undercut& undercut, double wavenumber_per_m) {
   const double end = (bar.length_m - undercut.length_m) / 2;
   QuadratureRule all;
-  for (const auto& [from, length] : {std::pair(0.0, end), std::pair(end, undercut.length_m),
-                                     std::pair(end + undercut.length_m, end)}) {
+  for (const auto& [from, length] :
+       {std::pair(0.0, end), std::pair(end, undercut.length_m), std::pair(end + undercut.length_m, end)}) {
     if (!(length > 0)) continue;
     // A product of two shapes has twice the phase; twice that makes the error that of rounding.
     const QuadratureRule rule = gauss_rule(length, 4 * wavenumber_per_m * length);
@@ -70,11 +70,12 @@ void UndercutBar::compute() const {
     const Eigen::Index column = count - 1 - static_cast<Eigen::Index>(m);
     const double square = 1 / solver.eigenvalues()[column];
     Eigen::VectorXd weights = solver.eigenvectors().col(column);
-    weights *= square * mass_per_m / weights.sum();  // the shape is 1 at the first end, where those of the free bar are
+    weights *=
+        square * mass_per_m / weights.sum();  // the shape is 1 at the first end, where those of the free bar are
     const double mode_mass = weights.dot(mass * weights) / (square * square);
     const double beta = std::pow(square * mass_per_m / bar_.bending_stiffness_n_m2, 0.25);
-    modes_.push_back({rounded_to(std::sqrt(square), kDigits), rounded_to(beta, kDigits),
-                      rounded_to(mode_mass, kDigits)});
+    modes_.push_back(
+        {rounded_to(std::sqrt(square), kDigits), rounded_to(beta, kDigits), rounded_to(mode_mass, kDigits)});
     for (double& weight : weights) weight /= square * mass_per_m;
     weights_.emplace_back(weights.begin(), weights.end());
   }

@@ -12,17 +12,18 @@
 namespace contactspline {
 
 /// An arch that is cut out of the middle of a bar with free ends. Within length_m the thickness, in parts of that of
-/// the ends, is 1 - (1 - thickness_ratio) (1 - (2 s/length_m)^2) at a distance s from the middle (F. Orduna-Bustamante,
-/// J. Acoust. Soc. Am. 90, 1991). EI follows its cube, the mass per length the thickness.
+/// the ends, is 1 - (1 - thickness_ratio) (1 - (2 s/length_m)^2) at a distance s from the middle (F.
+/// Orduna-Bustamante, J. Acoust. Soc. Am. 90, 1991). EI follows its cube, the mass per length the thickness.
 struct Undercut {
   double length_m;         ///< above 0, at most the length of the bar
   double thickness_ratio;  ///< of the middle, 0.05 to 1
 };
 
-/// The modes of a bar with an arch. Mass and bending stiffness of the bar are those without it. They are computed when
-/// they are first asked for, by any thread: the moments are sums of those of the uniform bar, so that the two rigid
-/// motions are left out. Frequencies are above the exact ones, the lowest ten by less than 1e-5 of themselves where the
-/// arch takes half of the bar, 2e-4 where it takes a twentieth. All numbers have nine digits, on which machines agree.
+/// The modes of a bar with an arch. Mass and bending stiffness of the bar are those without it. They are computed
+/// when they are first asked for, by any thread: the moments are sums of those of the uniform bar, so that the two
+/// rigid motions are left out. Frequencies are above the exact ones, the lowest ten by less than 1e-5 of themselves
+/// where the arch takes half of the bar, 2e-4 where it takes a twentieth. All numbers have nine digits, on which
+/// machines agree.
 class UndercutBar {
  public:
   static constexpr std::size_t kFunctions = 96, kModes = 32;

@@ -113,9 +113,13 @@ std::vector<double> in_a_room(const std::vector<double>& dry, int rate, unsigned
   return wet;
 }
 
-void write_sound(const fs::path& path, std::vector<double> samples, int rate) {
-  SndfileHandle file(path.string(), SFM_WRITE, SF_FORMAT_WAV | SF_FORMAT_PCM_16, 1, rate);
-  ASSERT_EQ(file.write(samples.data(), static_cast<sf_count_t>(samples.size())), std::ssize(samples));
+// Each channel is half as loud as the one before.
+void write_sound(const fs::path& path, const std::vector<double>& samples, int rate, int channels = 1) {
+  SndfileHandle file(path.string(), SFM_WRITE, SF_FORMAT_WAV | SF_FORMAT_PCM_16, channels, rate);
+  std::vector<double> frames;
+  for (const double sample : samples)
+    for (int channel = 0; channel < channels; ++channel) frames.push_back(std::ldexp(sample, -channel));
+  ASSERT_EQ(file.writef(frames.data(), std::ssize(samples)), std::ssize(samples));
 }
 
 constexpr int kRate = 22050;
@@ -135,7 +139,7 @@ void record(const Sandbox& box, const Known& known, const std::string& more = ""
          .folder = box.path()}));
     const std::string name = fmt::format("note_{}.wav", n);
     write_sound(box / name, in_a_room(read_sound(box / "dry.wav").samples, kRate, static_cast<unsigned>(n + 1)),
-                kRate);
+                kRate, static_cast<int>(1 + n % 2));
     recordings += fmt::format(R"({}{{ "file": "{}", "key": {}, "velocity": {}, "kept": {} }})", n > 0 ? ", " : "",
                               name, key, velocity, is_kept);
   }
@@ -234,6 +238,8 @@ std::vector<Bad> bad_fits() {
        fit + "recordings[0].velocity: 2 is out of range", "0.01 to 1"},
       {"velocity_up_to_2", fit_of(R"("file": "sine.wav", "key": 69, "velocity": { "fit": [0.1, 2] })"),
        fit + "recordings[0].velocity: leaves its range", "0.01 to 1"},
+      {"three_channels", fit_of(R"("file": "three.wav", "key": 69, "velocity": 0.5)"), "three.wav: channels: has 3",
+       "one or two channels"},
       {"silent_key", fit_of(R"("file": "sine.wav", "key": 70, "velocity": 0.5)"),
        "open.json: keys: key 70 of sine.wav plays nothing", "inspect"},
       {"unknown_output", fit_of(good, R"(, "output": "bridge")"), "open.json: outputs: 'bridge' is none of them",
@@ -266,6 +272,7 @@ TEST_P(BadFitOfAnInstrument, IsRefusedInOneLineAndNothingIsWritten) {
   }
   write_sound(box / "sine.wav", sine, kRate);
   write_sound(box / "clipped.wav", clipped, kRate);
+  write_sound(box / "three.wav", sine, kRate, 3);
   write_sound(box / "silent.wav", std::vector<double>(sine.size()), kRate);
   write_sound(box / "short.wav", std::vector<double>(sine.begin(), sine.begin() + 400), kRate);
   write_file(box / "open.json", bad.instrument.empty() ? kKalimba.with(true) : bad.instrument);

@@ -52,7 +52,8 @@ Real determinant_at(const Undercut& arch, Real w) {
   const Real end = (length - Real(arch.length_m)) / 2;
   std::array<State, 2> states = {State{1, 0, 0, 0}, State{0, 1, 0, 0}};
   for (State& s : states)
-    for (const auto& [from, to] : {std::pair(Real(0), end), std::pair(end, length - end), std::pair(length - end, length)}) {
+    for (const auto& [from, to] :
+         {std::pair(Real(0), end), std::pair(end, length - end), std::pair(length - end, length)}) {
       constexpr int kSteps = 4000;
       const Real h = (to - from) / kSteps;
       for (int n = 0; n < kSteps; ++n) {
