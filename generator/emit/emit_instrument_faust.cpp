@@ -459,12 +459,12 @@ class Writer : FaustBodies {
     std::vector<std::string> given, forces, last;  // signals that steps need, forces before and after
     for (std::size_t a = 0; a < n; ++a) {
       const std::size_t k = points_[a];
+      if (!rubs(a)) given.push_back(name_at("compression", k));
       given.push_back(name_at("free_increment", a));
       if (rubs(a)) {
         const auto names = bristles(k);
         given.insert(given.end(), names.begin(), names.end() - 1);  // the warmth acts in the next sample
       } else {
-        given.push_back(name_at("compression", k));
         given.push_back(name_at("resistance", k));
       }
       if (!rubs(a) && memories_of(k) != 0) {

@@ -54,7 +54,8 @@ struct Rubbed {
     return peak;
   }
 
-  // Books as in instrument_energy_test. The last quarter of a second is 100 dB down, but for a constant: links creep under a wheel that stands.
+  // Books as in instrument_energy_test. The last quarter of a second is 100 dB down, but for a constant: links creep
+  // under a wheel that stands.
   void expect_sane() const {
     EXPECT_TRUE(within(imbalance, 0, 1e-12 * energy + 8 * rounding));
     EXPECT_EQ(bounded, 0U);
