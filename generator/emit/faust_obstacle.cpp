@@ -81,7 +81,7 @@ std::optional<std::string> faust_obstacle(const InstrumentModel& model, const In
   if (!model.bows.empty())
     return fmt::format("{} has the bow {}, which only the C++ class plays", model.name,
                        model.connections[model.bows.front().group].name);
-  if (const auto coupled = coupled_friction(model)) return coupled;
+  if (auto coupled = coupled_friction(model)) return coupled;
   for (const InstrumentBody& body : model.bodies)
     if (body.airy_functions > 0)
       return fmt::format("{} has the plate {} with stretch, which only the C++ class plays", model.name, body.name);

@@ -266,9 +266,19 @@ struct Summary {
   double largest_error = 0;  // of those that do not rattle
 };
 
+// Where surfaces rub, also with other shapes by as many roundings, up and down: larger forces alone scale a motion
+// that sticks, and do not show what rounding does to it.
+Case by_roundings(Case drawn) {
+  if (std::ranges::count(drawn.arrays.connections, ConnectionKind::kFriction, &InstrumentConnection::kind) == 0)
+    return drawn;
+  double part = 64 * std::numeric_limits<double>::epsilon();
+  for (double& shape : drawn.arrays.shapes) shape *= 1 + (part = -part);
+  return drawn;
+}
+
 void compare(const Case& drawn, const Signals<double>& found, Summary& summary) {
   const auto expected = sound_of_class(drawn, 1);
-  const auto moved = sound_of_class(drawn, 1 + 64 * std::numeric_limits<double>::epsilon());
+  const auto moved = sound_of_class(by_roundings(drawn), 1 + 64 * std::numeric_limits<double>::epsilon());
   const bool is_coupled =
       std::ranges::count(drawn.arrays.connections, ConnectionKind::kContact, &InstrumentConnection::kind) > 1;
   bool rattles = false, finished = true;
@@ -386,11 +396,13 @@ void expect_rubbed_agreement(const std::string& name, const std::string& label, 
   const auto found = sound_of_program(drawn, {library, "random_0", drawn.sample_rate_hz});
   for (const auto& channel : found) EXPECT_GT(peak(channel), 1e-4);
   EXPECT_LT(std::abs(found.back().back()), 1e-6 * peak(found.back())) << "it is lifted";
-  Summary summary;
-  compare(drawn, found, summary);
-  EXPECT_EQ(summary.unfinished, 0u);
-  EXPECT_EQ(summary.rattling, 0u);
-  Measured() << summary.largest_error;
+  const auto expected = sound_of_class(drawn, 1);
+  for (std::size_t o = 0; o < expected.size(); ++o) {
+    const Agreement result =
+        agreement(found[o], expected[o], expected[o]);  // within 1e-9, whatever amplifies rounding
+    EXPECT_TRUE(result.holds) << drawn.model.outputs[o].name << " is wrong by " << result.error;
+    Measured() << result.error;
+  }
 }
 
 TEST(Bow, SoundsInFaustAsInTheClass) {
