@@ -22,10 +22,6 @@
 namespace contactspline {
 namespace {
 
-// With these a program compiles within 3 s (docs/reference/instruments.md).
-constexpr std::size_t kMaxContacts = 6;
-constexpr std::size_t kMaxLinear = 8;  // springs and links
-constexpr std::size_t kMaxModes = 400;
 constexpr int kSteps = 5;  // contact steps of several contacts that act on each other; between them Newton steps
 
 std::string slider(std::size_t order, const ModelParameter& parameter) {
@@ -39,11 +35,15 @@ std::string slider(std::size_t order, const ModelParameter& parameter) {
 /// Writes an instrument, part after part.
 class Writer : FaustBodies {
  public:
-  Writer(const InstrumentModel& model, const InstrumentArrays& arrays) : FaustBodies(model, arrays) {}
+  Writer(const InstrumentModel& model, const InstrumentArrays& arrays)
+      : FaustBodies(model, arrays), points_(contacts_) {
+    points_.insert(points_.end(), frictions_.begin(), frictions_.end());
+  }
 
   TemplateValues write() {
     write_sliders();
     write_materials();
+    write_frictions();
     list_places();
     for (std::size_t b = 0; b < model_.bodies.size(); ++b) write_body(b);
     write_connections();
@@ -120,6 +120,26 @@ class Writer : FaustBodies {
     }
   }
 
+  // What rubs, and what presses and moves it.
+  void write_frictions() {
+    for (const std::size_t k : frictions_) {
+      const auto& [material, width_m, normal_force_n, surface_speed_m_per_s] = connections()[k].friction;
+      const auto& [law, heat] = material;
+      materials_ += fmt::format(
+          "rubbing_{} = environment {{\n  stiffness = {}; damping = {}; cold = {}; hot = {}; softening = {};\n"
+          "  capacity = {}; conduction = {}; renewal = {}; width = {};\n}};\n",
+          k, literal(law.stiffness_per_m), literal(law.damping_s_per_m), literal(heat.cold_coefficient),
+          literal(heat.hot_coefficient), literal(heat.softening_k), literal(heat.capacity_j_per_n_k),
+          literal(heat.conduction_w_per_n_k), literal(heat.renewal_w_per_m_k2), literal(width_m));
+      const auto value = [&](ControlQuantity quantity, double fixed) {
+        const std::size_t c = control_of(quantity, k);
+        return is_control(c) ? fmt::format("control_{}", c) : faust_number(fixed);
+      };
+      input(name_at("pressed", k), value(ControlQuantity::kNormalForce, normal_force_n));
+      input(name_at("carried", k), "cm.dt * " + value(ControlQuantity::kSurfaceSpeed, surface_speed_m_per_s));
+    }
+  }
+
   [[nodiscard]] std::string& admittance(std::size_t k, std::size_t l) {
     return admittances_[std::min(k, l) * connections().size() + std::max(k, l)];
   }
@@ -133,20 +153,23 @@ class Writer : FaustBodies {
     for (std::size_t k = 0; k < n; ++k) {
       const InstrumentConnection& connection = connections()[k];
       const double initial = write_gap(k);
+      const bool is_friction = connection.kind == ConnectionKind::kFriction;
       FaustSum increment, compression;
       increment.add(increment_at(connection.first)).add(increment_at(connection.second), true);
       if (is_control(control_of(ControlQuantity::kGapShift, k)))
         increment.add(are_steps_double() ? fmt::format("lift_{0} + lift_{0}'", k) : name_at("lift", k));
+      if (is_friction) increment.add(name_at("carried", k));
       compression.add(fmt::format("select2(cm.is_first, last_compression_{}, {})", k, faust_number(-initial)));
       compression.add(jump_at(connection.first)).add(jump_at(connection.second), true);
       chain_.add(name_at("increment", k), faust_kept(increment.text()));
-      if (!is_form(k))
+      if (!is_form(k) && !is_friction)
         chain_.add(name_at(are_steps_double() ? "resting_compression" : "compression", k),
                    faust_kept(compression.text()));
       for (std::size_t l = k; l < n; ++l) write_admittance(k, l);
     }
     if (are_steps_double()) write_compressions_before();
     for (const std::size_t k : contacts_) write_memory(k);
+    for (const std::size_t k : frictions_) write_bristles(k);
     chain_.next();
     for (const std::size_t k : contacts_) write_surface(k);
     chain_.next();
@@ -190,6 +213,18 @@ class Writer : FaustBodies {
     if (at_rest_n == 0) return before;
     return fmt::format("select2(cm.is_first, {}, steps.memory_weight({}, {}) * {})", before, material_of(k), i,
                        literal(at_rest_n));
+  }
+
+  // Bristles at the beginning of the sample.
+  void write_bristles(std::size_t k) {
+    chain_.add(bristles(k),
+               fmt::format("(last_strain_{0}, last_warmth_{0} : steps.bristles(rubbing_{0}, pressed_{0}))", k));
+  }
+
+  static std::vector<std::string> bristles(std::size_t k) {
+    std::vector<std::string> names;
+    for (const char* name : {"strain", "yield", "bristles", "viscous", "warmth"}) names.push_back(name_at(name, k));
+    return names;
   }
 
   void write_surface(std::size_t k) {
@@ -254,6 +289,7 @@ class Writer : FaustBodies {
   // The stiffness ratio of a contact or the stiffness of a spring that acts.
   void write_stiffness(std::size_t k) {
     const InstrumentConnection& connection = connections()[k];
+    if (connection.kind == ConnectionKind::kFriction) return;
     const bool is_contact = connection.kind == ConnectionKind::kContact;
     const std::size_t c = control_of(is_contact ? ControlQuantity::kStiffnessRatio : ControlQuantity::kStiffness, k);
     if (connection.kind == ConnectionKind::kLink) {
@@ -380,7 +416,7 @@ class Writer : FaustBodies {
       }
       rows[a].push_back(set(name_at("right_side", a),
                             fmt::format("{} * compression_{} + {} * increment_{}", ratio_[k], k, slopes[a], k)));
-      for (const std::size_t c : contacts_) {
+      for (const std::size_t c : points_) {
         const std::string coupling = faust_product(slopes[a], admittance(k, c));
         rows[a].push_back(coupling.empty() ? "" : set(fmt::format("coupling_{}_{}", a, c), coupling));
       }
@@ -392,19 +428,19 @@ class Writer : FaustBodies {
   // Free increments and admittances of the contacts, with springs and links that follow.
   void reduce() {
     chain_.next();
-    const std::size_t n = contacts_.size();
+    const std::size_t n = points_.size();
     reduced_.resize(n, std::vector<std::string>(n));
     for (std::size_t a = 0; a < n; ++a) {
       FaustSum increment;
-      increment.add(name_at("increment", contacts_[a]));
+      increment.add(name_at("increment", points_[a]));
       for (std::size_t l = 0; l < linear_.size(); ++l)
-        increment.add(faust_product(admittance(contacts_[a], linear_[l]), linear_solution_[l][0]), true);
+        increment.add(faust_product(admittance(points_[a], linear_[l]), linear_solution_[l][0]), true);
       chain_.add(name_at("free_increment", a), faust_kept(increment.text()));
       for (std::size_t b = a; b < n; ++b) {
         FaustSum sum;
-        sum.add(admittance(contacts_[a], contacts_[b]));
+        sum.add(admittance(points_[a], points_[b]));
         for (std::size_t l = 0; l < linear_.size(); ++l)
-          sum.add(faust_product(admittance(contacts_[a], linear_[l]), linear_solution_[l][1 + b]), true);
+          sum.add(faust_product(admittance(points_[a], linear_[l]), linear_solution_[l][1 + b]), true);
         if (sum.text().empty()) continue;
         reduced_[a][b] = reduced_[b][a] = fmt::format("contact_admittance_{}_{}", a, b);
         chain_.add(reduced_[a][b],
@@ -418,19 +454,24 @@ class Writer : FaustBodies {
   // other forces held, then Newton's method on these (docs/how-it-works/several-contacts.md). At the end the contact
   // steps alone.
   void search() {
-    const std::size_t n = contacts_.size();
+    const std::size_t n = points_.size();
     if (n == 0) return;
     std::vector<std::string> given, forces, last;  // signals that steps need, forces before and after
     for (std::size_t a = 0; a < n; ++a) {
-      const std::size_t k = contacts_[a];
-      given.push_back(name_at("compression", k));
+      const std::size_t k = points_[a];
+      if (!rubs(a)) given.push_back(name_at("compression", k));
       given.push_back(name_at("free_increment", a));
-      given.push_back(name_at("resistance", k));
-      if (memories_of(k) != 0) {
+      if (rubs(a)) {
+        const auto names = bristles(k);
+        given.insert(given.end(), names.begin(), names.end() - 1);  // the warmth acts in the next sample
+      } else {
+        given.push_back(name_at("resistance", k));
+      }
+      if (!rubs(a) && memories_of(k) != 0) {
         given.push_back(name_at("line", k));
         for (const std::string& name : surface_names(k)) given.push_back(name);
       }
-      if (std::isalpha(static_cast<unsigned char>(ratio_[k].front())) != 0) given.push_back(ratio_[k]);
+      if (!rubs(a) && std::isalpha(static_cast<unsigned char>(ratio_[k].front())) != 0) given.push_back(ratio_[k]);
       for (std::size_t b = 0; b <= a; ++b)
         if (!reduced_[a][b].empty()) given.push_back(reduced_[a][b]);
       forces.push_back(name_at("force", a));
@@ -459,8 +500,10 @@ class Writer : FaustBodies {
     chain_.next();
   }
 
+  [[nodiscard]] bool rubs(std::size_t a) const { return a >= contacts_.size(); }
+
   [[nodiscard]] bool is_any_coupled() const {
-    for (std::size_t a = 0; a < contacts_.size(); ++a)
+    for (std::size_t a = 0; a < points_.size(); ++a)
       for (std::size_t b = 0; b < a; ++b)
         if (!reduced_[a][b].empty()) return true;
     return false;
@@ -468,17 +511,16 @@ class Writer : FaustBodies {
 
   // Increments that are given if the other forces hold, and forces by contact steps of their own.
   void contact_steps(const std::vector<std::string>& forces) {
-    const std::size_t n = contacts_.size();
-    for (std::size_t a = 0; a < n; ++a) {
-      FaustSum alone;
-      alone.add(name_at("free_increment", a));
-      for (std::size_t b = 0; b < n; ++b)
-        if (b != a) alone.add(faust_product(reduced_[a][b], forces[b]), true);
-      chain_.add(name_at("given_increment", a), faust_kept(alone.text()));
-    }
+    const std::size_t n = points_.size();
+    for (std::size_t a = 0; a < n; ++a) give_increment(a, forces);
     chain_.next();
     for (std::size_t a = 0; a < n; ++a) {
-      const std::size_t k = contacts_[a];
+      const std::size_t k = points_[a];
+      if (rubs(a)) {
+        chain_.add({name_at("own_force", a), name_at("slope", a)},
+                   fmt::format("({} : steps.rub : _, !, !, !, _)", rubbed(a)));
+        continue;
+      }
       chain_.add(name_at("own_force", a),
                  fmt::format("(compression_{0}, given_increment_{1}, {2}, {3}, resistance_{0} : "
                              "steps.contact_against({4}))",
@@ -487,11 +529,30 @@ class Writer : FaustBodies {
     chain_.next();
   }
 
+  // The increment of a contact or friction if the other forces hold.
+  void give_increment(std::size_t a, const std::vector<std::string>& forces) {
+    FaustSum alone;
+    alone.add(name_at("free_increment", a));
+    for (std::size_t b = 0; b < points_.size(); ++b)
+      if (b != a) alone.add(faust_product(reduced_[a][b], forces[b]), true);
+    chain_.add(name_at("given_increment", a), faust_kept(alone.text()));
+  }
+
+  // What a friction step takes.
+  [[nodiscard]] std::string rubbed(std::size_t a) const {
+    return fmt::format("strain_{0}, yield_{0}, bristles_{0}, viscous_{0}, given_increment_{1}, {2}", points_[a], a,
+                       reduced_[a][a]);
+  }
+
   // The forces after a step of Newton's method, after contact_steps().
   std::vector<std::vector<std::string>> newton_step(const std::vector<std::string>& forces) {
-    const std::size_t n = contacts_.size();
+    const std::size_t n = points_.size();
     for (std::size_t a = 0; a < n; ++a) {
-      const std::size_t k = contacts_[a];
+      const std::size_t k = points_[a];
+      if (rubs(a)) {
+        chain_.add(name_at("secant", a), fmt::format("slope_{0} / (1.0 + {1} * slope_{0})", a, reduced_[a][a]));
+        continue;
+      }
       chain_.add(name_at("secant", a),
                  fmt::format("(compression_{}, given_increment_{} - {} * own_force_{}, own_force_{}, resistance_{} : "
                              "ct.secant({}, {}, {}))",
@@ -519,11 +580,12 @@ class Writer : FaustBodies {
 
   TemplateValues finish() {
     std::vector<std::string> all(connections().size());
-    for (std::size_t a = 0; a < contacts_.size(); ++a) all[contacts_[a]] = forces_[a];
+    for (std::size_t a = 0; a < points_.size(); ++a) all[points_[a]] = forces_[a];
+    for (std::size_t a = contacts_.size(); a < points_.size(); ++a) give_increment(a, forces_);
     for (std::size_t l = 0; l < linear_.size(); ++l) {
       FaustSum force;
       force.add(linear_solution_[l][0]);
-      for (std::size_t a = 0; a < contacts_.size(); ++a)
+      for (std::size_t a = 0; a < points_.size(); ++a)
         force.add(faust_product(linear_solution_[l][1 + a], forces_[a]), true);
       all[linear_[l]] = set(name_at("spring_force", l), force.text());
     }
@@ -531,6 +593,7 @@ class Writer : FaustBodies {
     std::vector<std::string> fed_back, results = all;
     for (std::size_t k = 0; k < all.size(); ++k) fed_back.push_back(name_at("last_force", k));
     for (std::size_t k = 0; k < arrays_.connections.size(); ++k) {
+      if (connections()[k].kind == ConnectionKind::kFriction) continue;
       FaustSum end;
       end.add(name_at("compression", k)).add(name_at("increment", k));
       for (std::size_t l = 0; l < all.size(); ++l) end.add(faust_product(admittance(k, l), all[l]), true);
@@ -539,6 +602,7 @@ class Writer : FaustBodies {
     }
     results.insert(results.end(), states_.begin(), states_.end());
     fed_back.insert(fed_back.end(), state_inputs_.begin(), state_inputs_.end());
+    for (std::size_t a = contacts_.size(); a < points_.size(); ++a) end_rubbing(a, results, fed_back);
     if (!fed_back_memories_.empty()) chain_.next();
     for (const std::size_t k : contacts_) relax(k, results);
     fed_back.insert(fed_back.end(), fed_back_memories_.begin(), fed_back_memories_.end());
@@ -553,6 +617,21 @@ class Writer : FaustBodies {
             {"FED_BACK", fmt::format("{}", fed_back.size())},
             {"OUTPUTS", fmt::format("{}", arrays_.outputs.size())},
             {"OUTPUT_NAMES", fmt::format("{}", fmt::join(outputs, ", "))}};
+  }
+
+  // Strain and warmth after the sample.
+  void end_rubbing(std::size_t a, std::vector<std::string>& results, std::vector<std::string>& fed_back) {
+    const std::size_t k = points_[a];
+    const std::string next = name_at("next_strain", k), warmer = name_at("next_warmth", k);
+    chain_.next();
+    chain_.add({name_at("rubbed_increment", k), next, name_at("slip", k)},
+               fmt::format("({} : steps.rub : !, _, _, _, !)", rubbed(a)));
+    chain_.next();
+    chain_.add(warmer, fmt::format("(pressed_{0}, {1}, rubbed_increment_{0}, next_strain_{0}, slip_{0} : "
+                                   "steps.warmed(rubbing_{0}, rubbing_{0}.width))",
+                                   k, fmt::join(bristles(k), ", ")));
+    results.insert(results.end(), {next, warmer});
+    fed_back.insert(fed_back.end(), {name_at("last_strain", k), name_at("last_warmth", k)});
   }
 
   // Memories follow the force at the end of the sample.
@@ -600,6 +679,7 @@ class Writer : FaustBodies {
     }
   }
 
+  std::vector<std::size_t> points_;                 // contacts, then frictions
   std::vector<std::string> states_, state_inputs_;  // stiffnesses that follow their controls
   std::vector<std::string> fed_back_memories_;
   std::vector<std::string> ratio_;        // stiffness of each connection
@@ -610,69 +690,6 @@ class Writer : FaustBodies {
 };
 
 }  // namespace
-
-namespace {
-
-// A strike that moves more than one mass: the class moves all that is joined to it, and puts back what it may meet.
-std::optional<std::string> joined_strike(const InstrumentModel& model, const InstrumentArrays& arrays) {
-  const auto body_at = [&](std::size_t place) { return place == kGround ? kGround : arrays.place_bodies[place]; };
-  const auto is_mass = [&](std::size_t body) { return body != kGround && model.bodies[body].is_mass; };
-  for (const std::size_t struck : model.strikes)
-    for (const InstrumentConnection& c : arrays.connections) {
-      const std::size_t first = body_at(c.first), second = body_at(c.second);
-      if (first != struck && second != struck) continue;
-      const std::size_t other = first == struck ? second : first;
-      if (is_mass(other))
-        return fmt::format("{}: the strike of {} moves {}, too, and a program of Faust moves one mass alone",
-                           model.name, model.bodies[struck].name, model.bodies[other].name);
-    }
-  return {};
-}
-
-}  // namespace
-
-std::optional<std::string> faust_obstacle(const InstrumentModel& model, const InstrumentArrays& arrays) {
-  for (const ConnectionGroup& group : model.connections)
-    if (group.each.kind == ConnectionKind::kFriction)
-      return fmt::format("{} has the friction {}, which only the C++ class plays", model.name, group.name);
-  for (const InstrumentBody& body : model.bodies)
-    if (body.airy_functions > 0)
-      return fmt::format("{} has the plate {} with stretch, which only the C++ class plays", model.name, body.name);
-  for (const InstrumentBody& body : model.bodies)
-    if (body.longitudinal > 0)
-      return fmt::format("{} has the string {} with longitudinal modes, which only the C++ class plays", model.name,
-                         body.name);
-  for (const ModelOutput& output : model.outputs)
-    if (output.quantity == OutputQuantity::kTension)
-      return fmt::format("{} has the output {}, a tension, which only the C++ class plays", model.name, output.name);
-  if (const InstrumentBody* body = model.stretching_body()) {
-    if (!arrays.memories.empty())
-      return fmt::format("{} has the body {} with stretch and a contact with memory, which only the C++ class plays",
-                         model.name, body->name);
-  }
-  for (std::size_t c = 0; c < model.controls.size(); ++c)
-    if (model.controls[c].quantity == ControlQuantity::kPlace || model.parameters[c].acts == Acts::kAtNextNote)
-      return fmt::format("{} has the control {}, which only the C++ class plays", model.name,
-                         model.parameters[c].name);
-  // A contact with memory takes Faust about as long as two without.
-  std::size_t contacts = 0, linear = 0;
-  for (const InstrumentConnection& connection : arrays.connections) {
-    const bool is_contact = connection.kind == ConnectionKind::kContact;
-    if (is_contact) contacts += model.tables[connection.table].memories.empty() ? 1 : 2;
-    linear += is_contact ? 0 : 1;
-  }
-  const auto too_many = [&](std::size_t count, std::size_t max, std::string_view what) {
-    return fmt::format("{} has {} {}, and Faust compiles at most {} in reasonable time", model.name, count, what,
-                       max);
-  };
-  if (contacts > kMaxContacts)
-    return too_many(
-        contacts, kMaxContacts,
-        arrays.memories.empty() ? "points of contact" : "points of contact, counting those with memory twice");
-  if (linear > kMaxLinear) return too_many(linear, kMaxLinear, "springs and links");
-  if (arrays.masses.size() > kMaxModes) return too_many(arrays.masses.size(), kMaxModes, "modes");
-  return joined_strike(model, arrays);
-}
 
 TemplateValues faust_instrument_values(const InstrumentModel& model, const InstrumentArrays& arrays) {
   return Writer(model, arrays).write();

@@ -10,8 +10,8 @@
 
 namespace contactspline {
 
-/// Why an instrument cannot be written in Faust, or nothing if it can: its program would take too long to compile
-/// (docs/reference/instruments.md).
+/// Why an instrument cannot be written in Faust, or nothing if it can: no program plays a part of it, or it would
+/// take too long to compile (docs/reference/instruments.md).
 [[nodiscard]] std::optional<std::string> faust_obstacle(const InstrumentModel& model, const InstrumentArrays& arrays);
 
 /// The values of templates/instrument.lib.in that are not those of every format. Expects no faust_obstacle.

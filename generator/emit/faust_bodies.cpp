@@ -22,8 +22,12 @@ FaustBodies::FaustBodies(const InstrumentModel& model, const InstrumentArrays& a
                             .stiffness_n_per_m = form.stiffness_j});
     place_bodies_.push_back(form.body);
   }
-  for (std::size_t k = 0; k < connections().size(); ++k)
-    (connections()[k].kind == ConnectionKind::kContact ? contacts_ : linear_).push_back(k);
+  for (std::size_t k = 0; k < connections().size(); ++k) list_of(connections()[k].kind).push_back(k);
+}
+
+std::vector<std::size_t>& FaustBodies::list_of(ConnectionKind kind) {
+  if (kind == ConnectionKind::kContact) return contacts_;
+  return kind == ConnectionKind::kFriction ? frictions_ : linear_;
 }
 
 std::size_t FaustBodies::control_of(ControlQuantity quantity, std::size_t target) const {

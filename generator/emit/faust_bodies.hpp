@@ -63,16 +63,17 @@ class FaustBodies {
 
   const InstrumentModel& model_;
   const InstrumentArrays& arrays_;
-  std::vector<InstrumentConnection> connections_;        // and after them the forms
-  std::vector<std::size_t> place_bodies_;                // of the places, and of those of the forms
-  std::vector<std::size_t> contacts_, linear_;           // connections
-  std::vector<std::string> inputs_, input_expressions_;  // of the loop
+  std::vector<InstrumentConnection> connections_;           // and after them the forms
+  std::vector<std::size_t> place_bodies_;                   // of the places, and of those of the forms
+  std::vector<std::size_t> contacts_, frictions_, linear_;  // connections
+  std::vector<std::string> inputs_, input_expressions_;     // of the loop
   std::string bodies_;
   FaustChain chain_;
 
  private:
   [[nodiscard]] bool is_place_of_form(std::size_t place) const { return place >= arrays_.place_bodies.size(); }
   [[nodiscard]] std::size_t first_mode(std::size_t body) const { return body == 0 ? 0 : arrays_.body_ends[body - 1]; }
+  std::vector<std::size_t>& list_of(ConnectionKind kind);
   [[nodiscard]] std::string damping_of(std::size_t body) const;
   void write_mass(std::size_t body);
   // The largest compression beyond that at rest of the contacts that have an end at a body, before the sample [m].

@@ -151,15 +151,26 @@ TEST(BadInstrument, OfManyContactsHasNoFaustText) {
   EXPECT_EQ(outcome.out, "wrote out/probe.hpp\nwrote out/probe.json\nleft out probe.lib: " + why + "\n");
 }
 
-TEST(BadInstrument, WithFrictionHasNoFaustText) {
+// A program solves one point of friction that is alone on its bodies.
+TEST(BadInstrument, WithCoupledFrictionHasNoFaustText) {
   const Sandbox box;
-  write_file(box / "probe.json",
-             changed(kGood, R"("links": [)",
-                     R"("frictions": [ { "name": "bow", "between": ["ground", "spot"], "material": "rosin" } ],
-                        "links": [)"));
-  expect_refused(generate(box, {"--emit", "faust"}),
-                 "probe.json: --emit: probe has the friction bow, which only the C++ class plays",
-                 "allowed: cpp, whose class");
+  const auto generated = [&](const std::string& frictions) {
+    write_file(box / "probe.json",
+               changed(kGood, R"("links": [)", R"("frictions": [)" + frictions + R"(], "links": [)"));
+    return generate(box, {"--emit", "faust", "--force"});
+  };
+  const auto bow_on = [](const std::string& name, const std::string& place) {
+    return fmt::format(R"({{ "name": "{}", "between": ["ground", "{}"], "material": "rosin" }})", name, place);
+  };
+  const std::string alone = " on bodies that move each other, and Faust solves a friction that is alone there";
+  EXPECT_EQ(generated(bow_on("bow", "spot")).err, "");
+  for (const auto& [frictions, why] :
+       {std::pair(bow_on("bow", "struck"), " and the contact felt" + alone),
+        {bow_on("bow", "foot"), " and the contact felt" + alone},  // by a link
+        {bow_on("bow", "spot") + ", " + bow_on("brush", "spot"), " and the friction brush" + alone},
+        {bow_on("bow", "pair"), " of 2 points, and Faust solves one point that is alone on its bodies"}})
+    expect_refused(generated(frictions), "probe.json: --emit: probe has the friction bow" + why,
+                   "allowed: cpp, whose class");
 }
 
 // The good file with so many modes of its board.

@@ -18,11 +18,11 @@ class RandomInstruments {
  public:
   using Materials = std::array<const char*, 4>;
 
-  /// materials: of the contacts. stretch: strings and membranes do.
+  /// materials: of the contacts. stretch: strings and membranes do. rub: there are frictions.
   explicit RandomInstruments(unsigned seed,
                              const Materials& materials = {"felt_c4", "mb1", "rubber_on_wood", "steel_on_steel"},
-                             bool stretch = false)
-      : random_(seed), materials_(materials), stretch_(stretch) {}
+                             bool stretch = false, bool rub = false)
+      : random_(seed), materials_(materials), stretch_(stretch), rub_(rub) {}
 
   [[nodiscard]] std::string next() {
     places_.clear();
@@ -40,6 +40,7 @@ class RandomInstruments {
     text << "],\n\"places\": [" << joined(place_texts_) << "],\n";
     place_texts_.clear();
     text << list("contacts", contacts()) << list("springs", springs()) << list("links", links());
+    if (rub_) text << list("frictions", frictions());
     text << "\"strikes\": [\"m0\"" << (masses == 2 ? ", \"m1\"" : "") << "],\n";
     text << list("controls", controls(bodies)) << "\"outputs\": [" << joined(outputs()) << "]\n}\n";
     return text.str();
@@ -178,6 +179,20 @@ class RandomInstruments {
     return texts;
   }
 
+  // Half of them of rosin; pressed and moved by a number or by controls.
+  std::vector<std::string> frictions() {
+    std::vector<std::string> texts(static_cast<std::size_t>(integer(1, 2)));
+    for (std::size_t i = 0; i < texts.size(); ++i)
+      texts[i] =
+          named("friction", i,
+                (integer(0, 1) == 0 ? "\"material\": \"rosin\", \"width_m\": " + text_of(number(1e-3, 0.1, 1e-4, 1))
+                                    : "\"coefficient\": " + text_of(number(0.1, 2, 0, 10)) +
+                                          ", \"stiffness_per_m\": " + text_of(number(1e4, 1e7, 1e3, 1e9))) +
+                    ", \"normal_force_n\": " + text_of(number(0.01, 10, 0, 1000)) +
+                    ", \"surface_speed_m_per_s\": " + text_of(uniform(-1, 1)));
+    return texts;
+  }
+
   static std::string control(const std::string& key, const std::string& target) {
     return "{ \"name\": \"" + target + "\", \"" + key + "\": \"" + target + "\" }";
   }
@@ -195,6 +210,11 @@ class RandomInstruments {
         texts.push_back(control("stiffness_n_per_m", connection.name));
       if (connection.kind == "spring" && integer(0, 1) == 0)
         texts.push_back(control("resistance_n_s_per_m", connection.name));
+      if (connection.kind == "friction") {
+        if (integer(0, 3) != 0) texts.push_back(control("normal_force_n", connection.name));
+        if (integer(0, 3) != 0) texts.push_back(control("surface_speed_m_per_s", connection.name));
+        continue;
+      }
       if (integer(0, 2) == 0) texts.push_back(control("gap_shift_m", connection.name));
     }
     return texts;
@@ -220,7 +240,7 @@ class RandomInstruments {
 
   std::mt19937_64 random_;
   Materials materials_;
-  bool stretch_;
+  bool stretch_, rub_;
   std::vector<PlaceOf> places_;
   std::vector<std::string> place_texts_;
   std::vector<Connection> connections_;
