@@ -123,20 +123,21 @@ class Writer : FaustBodies {
   // What rubs, and what presses and moves it.
   void write_frictions() {
     for (const std::size_t k : frictions_) {
-      const auto& [material, width_m, normal_force_n, surface_speed_m_per_s] = connections()[k].friction;
-      const auto& [law, heat] = material;
+      const InstrumentFriction& friction = connections()[k].friction;
+      const auto& [law, heat] = friction.material;
       materials_ += fmt::format(
           "rubbing_{} = environment {{\n  stiffness = {}; damping = {}; cold = {}; hot = {}; softening = {};\n"
           "  capacity = {}; conduction = {}; renewal = {}; width = {};\n}};\n",
           k, literal(law.stiffness_per_m), literal(law.damping_s_per_m), literal(heat.cold_coefficient),
           literal(heat.hot_coefficient), literal(heat.softening_k), literal(heat.capacity_j_per_n_k),
-          literal(heat.conduction_w_per_n_k), literal(heat.renewal_w_per_m_k2), literal(width_m));
+          literal(heat.conduction_w_per_n_k), literal(heat.renewal_w_per_m_k2), literal(friction.width_m));
       const auto value = [&](ControlQuantity quantity, double fixed) {
         const std::size_t c = control_of(quantity, k);
         return is_control(c) ? fmt::format("control_{}", c) : faust_number(fixed);
       };
-      input(name_at("pressed", k), value(ControlQuantity::kNormalForce, normal_force_n));
-      input(name_at("carried", k), "cm.dt * " + value(ControlQuantity::kSurfaceSpeed, surface_speed_m_per_s));
+      input(name_at("pressed", k), value(ControlQuantity::kNormalForce, friction.normal_force_n));
+      input(name_at("carried", k),
+            "cm.dt * " + value(ControlQuantity::kSurfaceSpeed, friction.surface_speed_m_per_s));
     }
   }
 
