@@ -168,6 +168,8 @@ TEST(BadInstrument, WithCoupledFrictionHasNoFaustText) {
        {std::pair(bow_on("bow", "struck"), " and the contact felt" + alone),
         {bow_on("bow", "foot"), " and the contact felt" + alone},  // by a link
         {bow_on("bow", "spot") + ", " + bow_on("brush", "spot"), " and the friction brush" + alone},
+        {R"({ "name": "bow", "between": ["ground", "spot"], "material": "rosin", "pressed_by": "felt" })",
+         " that a contact presses, which only the C++ class plays"},
         {bow_on("bow", "pair"), " of 2 points, and Faust solves one point that is alone on its bodies"}})
     expect_refused(generated(frictions), "probe.json: --emit: probe has the friction bow" + why,
                    "allowed: cpp, whose class");
