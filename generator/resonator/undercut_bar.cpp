@@ -47,9 +47,10 @@ double UndercutBar::thickness_ratio_at(double x_m) const {
 void UndercutBar::compute() const {
   const Bar clamped = with_ends(bar_, BarEnd::kClamped), free = with_ends(bar_, BarEnd::kFree);
   const double mass_per_m = bar_.mass_kg / bar_.length_m;
-  const auto beta_of = [&](int i) { return wavenumber_times_length(bar_, i) / bar_.length_m; };
+  for (std::size_t i = 1; i <= kFunctions; ++i)
+    wavenumbers_.push_back(wavenumber_times_length(bar_, static_cast<int>(i)) / bar_.length_m);
   const auto count = static_cast<Eigen::Index>(kFunctions);
-  const QuadratureRule rule = rule_of(bar_, undercut_, beta_of(static_cast<int>(kFunctions)));
+  const QuadratureRule rule = rule_of(bar_, undercut_, wavenumbers_.back());
   const auto points = static_cast<Eigen::Index>(rule.points.size());
   Eigen::MatrixXd curved(points, count), moved(points, count);  // M''/sqrt(mu) and M/sqrt(EI)
   for (Eigen::Index p = 0; p < points; ++p) {
@@ -57,7 +58,7 @@ void UndercutBar::compute() const {
     const double root = std::sqrt(rule.weights[static_cast<std::size_t>(p)] / ratio);
     for (Eigen::Index i = 0; i < count; ++i) {
       const int number = static_cast<int>(i) + 1;
-      const double beta = beta_of(number);
+      const double beta = wavenumbers_[static_cast<std::size_t>(i)];
       curved(p, i) = root * contactspline::shape_at(free, number, beta, x) / std::sqrt(mass_per_m);
       moved(p, i) = root / ratio * contactspline::shape_at(clamped, number, beta, x) /
                     (beta * beta * std::sqrt(bar_.bending_stiffness_n_m2));
@@ -90,11 +91,8 @@ double UndercutBar::shape_at(std::size_t mode, double x_m) const {
   static_cast<void>(modes());
   const Bar free = with_ends(bar_, BarEnd::kFree);
   double shape = 0;
-  for (std::size_t i = 0; i < kFunctions; ++i) {
-    const int number = static_cast<int>(i) + 1;
-    shape += weights_[mode][i] *
-             contactspline::shape_at(free, number, wavenumber_times_length(bar_, number) / bar_.length_m, x_m);
-  }
+  for (std::size_t i = 0; i < kFunctions; ++i)
+    shape += weights_[mode][i] * contactspline::shape_at(free, static_cast<int>(i) + 1, wavenumbers_[i], x_m);
   return rounded_to(shape / thickness_ratio_at(x_m), kDigits);
 }
 

@@ -44,6 +44,7 @@ class UndercutBar {
   Undercut undercut_;
   mutable std::once_flag once_;
   mutable std::vector<UndampedMode> modes_;
+  mutable std::vector<double> wavenumbers_;           // of the uniform bar
   mutable std::vector<std::vector<double>> weights_;  // of each mode: of the uniform bar's shapes, in M''/mu
 };
 
