@@ -21,7 +21,7 @@ struct Undercut {
 
 /// The modes of a bar with an arch. Mass and bending stiffness of the bar are those without it. They are computed
 /// when they are first asked for, by any thread: the moments are sums of those of the uniform bar, so that the two
-/// rigid motions are left out. Frequencies are above the exact ones, the lowest ten by less than 1e-5 of themselves
+/// rigid motions are left out. Frequencies are above the exact ones, the lowest eight by less than 1e-6 of themselves
 /// where the arch takes half of the bar, 2e-4 where it takes a twentieth. All numbers have nine digits, on which
 /// machines agree.
 class UndercutBar {

@@ -68,16 +68,16 @@ Real determinant_at(const Undercut& arch, Real w) {
 }
 
 // The frequencies lie above those of the equation, by less than a bound: the determinant changes its sign between
-// that and 1e-8 beyond, for what the steps err.
+// that and 1e-8 beyond, for what the steps err. Of higher modes rounding hides the determinant.
 TEST(UndercutBar, HasTheFrequenciesOfTheEquation) {
   struct Case {
     Undercut arch;
     Real bound;
   };
-  for (const auto& [arch, bound] : {Case{{0.18, 0.43}, 1e-5L}, Case{{0.3, 0.2}, 1e-5L}, Case{{0.33, 0.6}, 1e-5L},
+  for (const auto& [arch, bound] : {Case{{0.18, 0.43}, 1e-6L}, Case{{0.3, 0.2}, 1e-6L}, Case{{0.33, 0.6}, 1e-6L},
                                     Case{{0.05, 0.3}, 2e-4L}, Case{{0.0165, 0.05}, 2e-4L}}) {
     const UndercutBar bar(kBar, arch);
-    for (std::size_t m = 0; m < 10; ++m) {
+    for (std::size_t m = 0; m < 8; ++m) {
       const Real w = bar.modes()[m].angular_frequency_rad_per_s;
       const bool is_below = std::signbit(determinant_at(arch, w * (1 - bound)));
       EXPECT_NE(is_below, std::signbit(determinant_at(arch, w * (1 + 1e-8L)))) << arch.length_m << " m, mode " << m;
