@@ -229,7 +229,7 @@ class BarShapes {
   }
 
  private:
-  static constexpr Bar kBar{.length_m = 1, .mass_kg = 1, .bending_stiffness_n_m2 = 1, .losses = {}};
+  static inline const Bar kBar{.length_m = 1, .mass_kg = 1, .bending_stiffness_n_m2 = 1, .losses = {}};
   std::size_t modes_ = 0;
 };
 

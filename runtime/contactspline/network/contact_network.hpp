@@ -401,7 +401,8 @@ class ContactNetwork {
       if (!c.memory.empty()) c.memory.hold(contactspline::force(c.table, c.compression));
     };
     for (std::size_t k = 0; k < parts_.connections.size(); ++k) hold(solver_[k]);
-    if (two_steps_) std::ranges::for_each(two_steps_->resting(), hold);
+    if (!two_steps_) return;
+    for (CoupledConnection<T>& c : two_steps_->resting()) hold(c);
   }
 
   void set_compression(std::size_t k, T compression) {
