@@ -594,6 +594,7 @@ const browserCases = {
     const silent = [];
     const { length } = await page.evaluate(async () => (await import("../contactspline.js")).instruments());
     for (let instrument = 0; instrument < length; ++instrument) {
+      await page.evaluate(async () => void (await (await import("../contactspline.js")).loadGenerator())); // as the example does: not in the midst of it
       await page.reload(); // a page has room for so many memories, which its contexts keep
       silent.push(...(await page.evaluate(silentOf, instrument)));
     }
