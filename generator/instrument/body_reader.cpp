@@ -129,7 +129,7 @@ class BodyReader {
                                     ? longitudinal.number("quadratic_loss_m2_per_s", kLongitudinalQuadratic)
                                     : 0};
     if (longitudinal_modes(read.as_stretching_string()).empty())
-      stretch.fail(stretch.key("longitudinal"), "decays without oscillating", "smaller losses, such as 30 1/s");
+      stretch.fail(stretch.key("longitudinal"), "decays without oscillating", "smaller losses or a stiffer core");
   }
 
   // Throws BadInput unless it is of one material, without ribs, and not much longer than wide.

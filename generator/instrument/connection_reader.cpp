@@ -90,16 +90,16 @@ class ConnectionReader {
     model_.connections.push_back(std::move(group));
   }
 
-  // A contact with as many points, or with one.
+  // A contact with as many points.
   std::size_t contact_that_presses(const JsonObject& json, std::size_t points) const {
+    std::vector<ConnectionGroup> contacts = model_.connections;
+    std::erase_if(contacts, [](const ConnectionGroup& group) { return group.each.kind != ConnectionKind::kContact; });
     const std::string key = json.key("pressed_by"), name = json.text("pressed_by", "the name of a contact");
-    const std::size_t contact = index_of(json, key, name, model_.connections, "contact");
-    const ConnectionGroup& group = model_.connections[contact];
-    if (group.each.kind != ConnectionKind::kContact)
-      json.fail(key, fmt::format("'{}' is no contact", name), "a contact across the motion");
-    if (group.gaps_m.size() != 1 && group.gaps_m.size() != points)
-      json.fail(key, fmt::format("'{}' has {} points", name, group.gaps_m.size()),
-                fmt::format("a contact with one point or {}", points));
+    const std::size_t contact = index_of(json, key, name, contacts, "contact");  // of a file the contacts come first
+    const std::size_t pressing = contacts[contact].gaps_m.size();
+    if (pressing != points)
+      json.fail(key, fmt::format("'{}' has {} point{}", name, pressing, pressing == 1 ? "" : "s"),
+                fmt::format("a contact of {} point{}, as the friction", points, points == 1 ? "" : "s"));
     return contact;
   }
 

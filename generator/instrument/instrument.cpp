@@ -211,7 +211,7 @@ class Flattener {
       connection.gap_m = group.gaps_m[i];
       if (!group.weights.empty()) connection.weight = group.weights[i];
       if (std::size_t& contact = connection.friction.pressed_by; contact != kNoConnection)
-        contact = first_connection_[contact] + (model_.connections[contact].gaps_m.size() == 1 ? 0 : i);
+        contact = first_connection_[contact] + i;
       arrays_.connections.push_back(connection);
     }
   }

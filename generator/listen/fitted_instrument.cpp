@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <set>
+#include <tuple>
 #include <vector>
 
 #include "generator/support/number_literal.hpp"
@@ -14,9 +16,9 @@ namespace {
 constexpr int kDigits = 6;
 
 std::string words_of(const FoundNumber& number) {
+  if (number.is_at_bound) return "; at its bound: wider bounds may fit better";
   if (!number.is_told) return "; the recordings do not tell it";
-  return fmt::format("; 95 % interval {:.4g} to {:.4g}{}", number.low, number.high,
-                     number.is_at_bound ? "; at its bound" : "");
+  return fmt::format("; 95 % interval {:.4g} to {:.4g}", number.low, number.high);
 }
 
 std::string json_of(const NoteDistance& distance) {
@@ -29,6 +31,10 @@ std::string report_of(const InstrumentFit& fit, const RecordedInstrument& record
   std::string text;
   for (std::size_t i = 0; i < fit.numbers.size(); ++i)
     text += fmt::format("  {:<44} {:.4g}{}\n", recorded.open[i].key, fit.numbers[i].value, words_of(fit.numbers[i]));
+  std::set<double> velocities;  // that are stated, of fitted notes
+  for (const RecordedKey& note : recorded.notes)
+    if (!note.is_kept && !note.open_velocity) velocities.insert(note.velocity);
+  if (velocities.size() < 2) text += "  Intervals hold where notes of two stated velocities are fitted, or more.\n";
   text += "distance before and after: of levels by band and time [dB], of partials [cents]\n";
   for (std::size_t n = 0; n < fit.notes.size(); ++n) {
     const auto& [before, after] = std::tie(fit.notes[n].before, fit.notes[n].after);

@@ -344,10 +344,20 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
+// Of each note; a common one is that of the fitted notes.
+std::vector<double> shown_gains(const std::vector<NoteImpression>& recorded,
+                                const std::vector<NoteImpression>& rendered, const RecordedInstrument& fit) {
+  if (!fit.has_common_gain) return gains_of(recorded, rendered, false);
+  std::vector<NoteImpression> theirs, ours;
+  for (std::size_t n = 0; n < recorded.size(); ++n)
+    if (!fit.notes[n].is_kept) theirs.push_back(recorded[n]), ours.push_back(rendered[n]);
+  return std::vector<double>(recorded.size(), gains_of(theirs, ours, true).front());
+}
+
 // The rendered notes get their gain.
 std::vector<NoteDistance> distances_of(const std::vector<NoteImpression>& recorded,
-                                       std::vector<NoteImpression>& rendered, bool has_common_gain) {
-  const std::vector<double> gains = gains_of(recorded, rendered, has_common_gain);
+                                       std::vector<NoteImpression>& rendered, const RecordedInstrument& fit) {
+  const std::vector<double> gains = shown_gains(recorded, rendered, fit);
   std::vector<NoteDistance> distances;
   for (std::size_t n = 0; n < recorded.size(); ++n) {
     distances.push_back({distance_db(recorded[n], rendered[n], gains[n]),
@@ -373,7 +383,7 @@ std::vector<NoteImpression> recorded_impressions(const RecordedInstrument& recor
 void require_pitch(const RecordedInstrument& recorded, const std::vector<FittedNote>& notes) {
   constexpr double kFarthest_cents = 80;
   for (std::size_t n = 0; n < notes.size(); ++n) {
-    if (notes[n].recorded.partials.empty()) continue;
+    if (recorded.notes[n].is_kept || notes[n].recorded.partials.empty()) continue;
     const double cents = compare(notes[n].recorded, notes[n].found, 0).cents.front();
     if (std::abs(cents) >= kFarthest_cents)
       refuse(recorded.notes[n].file, "samples",
@@ -398,7 +408,7 @@ InstrumentFit fit_instrument(const RecordedInstrument& recorded, const ReadFile&
   for (const std::size_t n : fitted) heard.push_back(impressions[n]);
   ListeningProblem problem(recorded, renderer, fitted, heard);
   std::vector<NoteImpression> started = renderer.render_one(problem.numbers_at(problem.start()), all);
-  const auto before = distances_of(impressions, started, recorded.has_common_gain);
+  const auto before = distances_of(impressions, started, recorded);
   tell("trying numbers all over their bounds");
   Eigen::VectorXd at = find_place(recorded, problem);
   tell("searching");
@@ -410,7 +420,7 @@ InstrumentFit fit_instrument(const RecordedInstrument& recorded, const ReadFile&
       scales_of(heard, renderer.render_one(problem.numbers_at(at), fitted), recorded.has_common_gain, problem.scales);
   at = problem.search(at, kManySteps);
   std::vector<NoteImpression> found = renderer.render_one(problem.numbers_at(at), all);
-  const auto after = distances_of(impressions, found, recorded.has_common_gain);
+  const auto after = distances_of(impressions, found, recorded);
   InstrumentFit fit;
   for (const std::size_t n : all)
     fit.notes.push_back({before[n], after[n], impressions[n], std::move(started[n]), std::move(found[n])});

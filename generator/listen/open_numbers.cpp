@@ -40,11 +40,16 @@ class OpenNumberFinder {
 
   // A key or a value: of an object the last one before its colon counts.
   void take_string() {
-    const std::size_t begin = ++at_;
-    while (text_[at_] != '"') at_ += text_[at_] == '\\' ? 2 : 1;
-    std::string content(text_.substr(begin, at_++ - begin));
+    std::string content(skip_string());
     skip_blanks();
     if (at_ < text_.size() && text_[at_] == ':') levels_.back().key = std::move(content);
+  }
+
+  // Returns what stands between the quotes.
+  std::string_view skip_string() {
+    const std::size_t begin = ++at_;
+    while (text_[at_] != '"') at_ += text_[at_] == '\\' ? 2 : 1;
+    return text_.substr(begin, at_++ - begin);
   }
 
   // Behind a brace: does the object there have the key of an open number first?
@@ -59,11 +64,11 @@ class OpenNumberFinder {
   }
 
   void take_open(std::size_t begin) {
-    while (text_[at_] != '}') {
-      at_ += text_[at_] == '"' ? 0 : 1;
-      if (text_[at_] == '"') at_ = text_.find('"', at_ + 1) + 1;
-      skip_blanks();
-    }
+    for (skip_blanks(); text_[at_] != '}'; skip_blanks())
+      if (text_[at_] == '"')
+        skip_string();
+      else
+        ++at_;
     ++at_;
     const std::string key = path();
     const JsonObject open =

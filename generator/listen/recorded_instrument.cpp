@@ -14,6 +14,7 @@ namespace {
 constexpr auto kInstrumentKey = "instrument";
 const std::vector<std::string> kKeysOfFit{kInstrumentKey, "recordings", "output", "seconds", "gain"};
 constexpr std::size_t kMaxRecordings = 64, kMaxOpen = 64;
+constexpr double kMinRate_hz = 8000;
 constexpr Range kVelocity{0.01, 1}, kAnyVelocity{0.1, 1}, kSeconds{0.1, 10};
 
 bool read_is_kept(const JsonObject& entry) {
@@ -49,6 +50,8 @@ void read_recordings(const JsonObject& fit, const std::vector<JsonObject>& entri
     read_velocity(entry, note, recorded.open);
     note.recording = read_recording(read_for_key(fit.file(), entry.key("file"), path, read), path, 2);
     require_sounding(note.recording, path);
+    if (const double rate_hz = note.recording.sample_rate_hz; rate_hz < kMinRate_hz)
+      refuse(path, "sample_rate_hz", fmt::format("is {:g}", rate_hz), fmt::format("{:g} or more", kMinRate_hz));
     recorded.files.push_back(path);
     recorded.notes.push_back(std::move(note));
   }

@@ -238,6 +238,10 @@ std::vector<Bad> bad_fits() {
        fit + "recordings[0].velocity: 2 is out of range", "0.01 to 1"},
       {"velocity_up_to_2", fit_of(R"("file": "sine.wav", "key": 69, "velocity": { "fit": [0.1, 2] })"),
        fit + "recordings[0].velocity: leaves its range", "0.01 to 1"},
+      {"slow_rate", fit_of(R"("file": "slow.wav", "key": 69, "velocity": 0.5)"), "slow.wav: sample_rate_hz: is 100",
+       "8000 or more"},
+      {"quote_in_a_key", fit_of(good), stiffness, "fit, start",
+       with_stiffness(R"({ "fit": [0.02, 0.05], "a\"": 1 })")},
       {"three_channels", fit_of(R"("file": "three.wav", "key": 69, "velocity": 0.5)"), "three.wav: channels: has 3",
        "one or two channels"},
       {"silent_key", fit_of(R"("file": "sine.wav", "key": 70, "velocity": 0.5)"),
@@ -273,6 +277,7 @@ TEST_P(BadFitOfAnInstrument, IsRefusedInOneLineAndNothingIsWritten) {
   write_sound(box / "sine.wav", sine, kRate);
   write_sound(box / "clipped.wav", clipped, kRate);
   write_sound(box / "three.wav", sine, kRate, 3);
+  write_sound(box / "slow.wav", sine, 100);
   write_sound(box / "silent.wav", std::vector<double>(sine.size()), kRate);
   write_sound(box / "short.wav", std::vector<double>(sine.begin(), sine.begin() + 400), kRate);
   write_file(box / "open.json", bad.instrument.empty() ? kKalimba.with(true) : bad.instrument);

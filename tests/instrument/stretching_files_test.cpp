@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -85,16 +86,25 @@ TEST(StretchingFile, PlaysAStringThatMovesAlongItself) {
   double highest = 0, third = 0, fourth = 0;
   for (int n = 0; n < 8820; ++n) {
     instrument.tick();
-    double slope = 0, along = 0, end = 0;
-    for (std::size_t i = 0; i < string.size(); ++i) {
-      const std::size_t number = i < transverse ? i + 1 : i - transverse + 1;
-      const double by_end = (number % 2 == 0 ? 1 : -1) * static_cast<double>(number) * kPi / kLength;
-      (i < transverse ? slope : along) += by_end * string.displacement(i);
+    // The square of the slope is the sum of D_m cos(m pi x/L): the even tension by D_0, one more for each
+    // longitudinal mode, with its own strain.
+    const auto slope = [&](std::size_t number) {
+      return number < 1 || number > transverse
+                 ? 0
+                 : static_cast<double>(number) * kPi / kLength * string.displacement(number - 1);
+    };
+    double strain = 0, end = 0;
+    for (std::size_t m = 0; m <= kAlong; ++m) {
+      double d = 0;
+      for (std::size_t n = 1; n <= transverse; ++n) {
+        d += slope(n) * slope(n + m) / (m == 0 ? 2 : 1);
+        if (n < m) d += slope(n) * slope(m - n) / 2;
+      }
+      const double own =
+          m == 0 ? 0 : static_cast<double>(m) * kPi / kLength * string.displacement(transverse + m - 1);
+      strain += (m % 2 == 0 ? 1 : -1) * (own + d / 2);
     }
-    // The even tension and those of the longitudinal modes, all that moves.
-    double rise = 0;
-    for (std::size_t k = 0; k <= kAlong; ++k)
-      rise += arrays.stretch_forms[k].end_tension_n * instrument.network().stretch(0, k);
+    const double rise = kAxial * strain;
     for (std::size_t i = 0; i < transverse; ++i) {
       const double wavenumber = static_cast<double>(i + 1) * kPi / kLength;
       end -= wavenumber * (kTension + rise + kBending * wavenumber * wavenumber) * (i % 2 == 0 ? -1 : 1) *
@@ -113,6 +123,28 @@ TEST(StretchingFile, PlaysAStringThatMovesAlongItself) {
   EXPECT_GT(third / fourth, 1e-3);
   for (std::size_t o = 0; o < 2; ++o)
     EXPECT_TRUE(sequences_within<double>(actual[o], expected[o], 1e-9)) << arrays.outputs[o].name;
+}
+
+// At 8 kHz four of its longitudinal modes act, and twelve more change nothing.
+TEST(StretchingFile, HearsNothingOfLongitudinalModesThatStop) {
+  const auto sounds = [](std::size_t modes) {
+    InstrumentModel model = parse_instrument(read_input(EXAMPLES_FOLDER "/bass_string.json"), "bass_string.json");
+    model.bodies[0].longitudinal = modes;
+    const InstrumentArrays arrays = arrays_of(model, 4000);
+    NetworkInstrument<double> instrument(arrays.view(), 8000);
+    instrument.strike(0, 5);
+    std::array<std::vector<double>, 2> sounds;
+    for (int n = 0; n < 2000; ++n) {
+      instrument.tick();
+      for (std::size_t o = 0; o < 2; ++o) sounds[o].push_back(instrument.output(o));
+    }
+    return sounds;
+  };
+  const auto found = sounds(16), expected = sounds(4), fewer = sounds(3);
+  for (std::size_t o = 0; o < 2; ++o) {
+    EXPECT_TRUE(sequences_within<double>(found[o], expected[o], 1e-9)) << o;
+    EXPECT_FALSE(sequences_within<double>(fewer[o], expected[o], 1e-5)) << o;
+  }
 }
 
 // The class that `generate` emits has the forms and the far end, too.

@@ -6,10 +6,11 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <utility>
 #include <vector>
 
-#include "stretch_terms.hpp"
+#include "stretching_balance.hpp"
 #include "string_at_stop.hpp"
 #include "support/compare.hpp"
 #include "support/finite.hpp"
@@ -89,33 +90,10 @@ void advance(StretchingBank<T>& bank, T damping = 0) {
   bank.commit();
 }
 
-// What a run without forces shows of the energy, relative to its largest value.
-struct Balance {
-  double error = 0;       // largest |energy + dissipated - energy at first|
-  double risen = 0;       // largest rise over a sample
-  double stretching = 0;  // largest part of the energy in stretching
-  double bound = 0;       // rounding_bound()
-};
-
 template <typename T, typename Damping>
-Balance balance_of(const RandomBody& body, int samples, Damping damping) {
+Balance balance_of_body(const RandomBody& body, int samples, Damping damping) {
   StretchingBank<T> bank = body.bank<T>();
-  const double first = bank.energy();
-  long double dissipated = 0;
-  double before = first, terms = 0;
-  Balance balance;
-  for (int n = 0; n < samples; ++n) {
-    advance(bank, damping(n));
-    dissipated += bank.dissipated();
-    const double energy = bank.energy(), error = std::abs(static_cast<double>(energy + dissipated - first)) / first;
-    balance.error = is_finite(error) ? std::max(balance.error, error) : std::numeric_limits<double>::infinity();
-    balance.risen = std::max(balance.risen, (energy - before) / first);
-    balance.stretching = std::max(balance.stretching, bank.stretching_energy() / energy);
-    before = energy;
-    terms = std::max(terms, energy_of_terms<T>(body.forms, bank.bank().displacements()));
-  }
-  balance.bound = rounding_bound<T>(samples, terms, first);
-  return balance;
+  return balance_of(bank, std::span<const StretchForm>(body.forms), samples, damping);
 }
 
 // 1e-12 is what is asked for. Of 1,000 bodies few have forms whose terms cancel so far that rounding may add more.
@@ -123,7 +101,7 @@ TEST(StretchingBank, KeepsItsEnergy) {
   double worst = 0, stretching = 0;
   int cancelling = 0;
   for (unsigned seed = 0; seed < 1000; ++seed) {
-    const Balance balance = balance_of<double>(RandomBody(seed), 500, [](int) { return 0.0; });
+    const Balance balance = balance_of_body<double>(RandomBody(seed), 500, [](int) { return 0.0; });
     const bool cancels = balance.bound > 1e-12;
     ASSERT_TRUE(within(balance.error, 0, cancels ? balance.bound : 1e-12)) << "body " << seed;
     cancelling += cancels;
@@ -143,7 +121,7 @@ TEST(StretchingBank, LosesWhatIsDissipated) {
     const RandomBody body(seed, 1e4);
     Random random(seed);
     const Balance balance =
-        balance_of<double>(body, 500, [&](int n) { return n % 3 == 0 ? random.log_between(1e-4, 10) : 0.0; });
+        balance_of_body<double>(body, 500, [&](int n) { return n % 3 == 0 ? random.log_between(1e-4, 10) : 0.0; });
     ASSERT_TRUE(within(balance.error, 0, 1e-12)) << "body " << seed;
     ASSERT_LE(balance.risen, 1e-13) << "body " << seed;
     worst = std::max(worst, balance.error);
@@ -160,7 +138,8 @@ TYPED_TEST_SUITE(EitherPrecision, Precisions);
 TYPED_TEST(EitherPrecision, ErrsByRoundingAlone) {
   double worst = 0;
   for (unsigned seed = 0; seed < 100; ++seed) {
-    const Balance balance = balance_of<TypeParam>(RandomBody(seed, 0, 0.9), 1000, [](int) { return TypeParam(0); });
+    const Balance balance =
+        balance_of_body<TypeParam>(RandomBody(seed, 0, 0.9), 1000, [](int) { return TypeParam(0); });
     EXPECT_TRUE(within(balance.error, 0, balance.bound)) << "body " << seed;
     worst = std::max(worst, balance.error / balance.bound);
   }

@@ -81,15 +81,6 @@ struct InstrumentParts {
     return {ratios[k], static_cast<T>(connections[k].loss_s_per_m)};
   }
 
-  /// Does the surface of one of these frictions move by itself, pressed or where a contact may press it?
-  [[nodiscard]] bool is_rubbed(const std::vector<std::size_t>& frictions) const {
-    return std::ranges::any_of(frictions, [&](std::size_t k) {
-      const InstrumentFriction& friction = connections[k].friction;
-      return (friction.normal_force_n != 0 || friction.pressed_by != kNoConnection) &&
-             friction.surface_speed_m_per_s != 0;
-    });
-  }
-
   /// The network with the values that are kept; friction is not pressed yet.
   [[nodiscard]] NetworkPlan<T> plan(const InstrumentData& data) const {
     NetworkPlan<T> plan;

@@ -59,8 +59,15 @@ class StretchingForm {
   [[nodiscard]] T stretch_beside_gradient(const T* q) const {
     return half_linear_ == 0 ? 0 : half_linear_ * q[linear_mode_];
   }
-  /// The form acts no longer.
-  void stop() { stiffness_ = 0; }
+  /// The form acts no longer, and is not stretched.
+  void stop() {
+    stiffness_ = 0;
+    half_linear_ = 0;
+    squares_.clear();
+    matrix_ = {};
+    gradient_.clear();
+    motion_.clear();
+  }
 
   /// q'A p and half of what is linear in each, in double precision.
   [[nodiscard]] double stretch_of(auto q, auto p) const {
@@ -115,7 +122,7 @@ class StretchForms {
 
   [[nodiscard]] std::size_t size() const { return forms_.size(); }
   [[nodiscard]] const StretchingForm<T>& operator[](std::size_t k) const { return forms_[k]; }
-  /// Form k acts no longer.
+  /// Form k acts no longer, and is not stretched.
   void stop(std::size_t k) {
     forms_[k].stop();
     root_[k] = 0;
@@ -157,7 +164,7 @@ class StretchForms {
   /// The force of form k there.
   [[nodiscard]] double pull(std::size_t k) const { return forms_[k].stiffness() * stretch(k); }
 
-  [[nodiscard]] double stretch(std::size_t k) const { return sums_(k, 0); }                    ///< q'A_k q
+  [[nodiscard]] double stretch(std::size_t k) const { return sums_(k, 0); }                    ///< s of StretchForm
   [[nodiscard]] double stretch_by_free_increment(std::size_t k) const { return sums_(k, 1); }  ///< g_k'd
   [[nodiscard]] double stretch_by_change(std::size_t k) const { return sums_(k, 2); }          ///< g_k'c
   /// g_k' admittance g_l, l <= k.
