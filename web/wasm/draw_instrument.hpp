@@ -47,21 +47,29 @@ namespace detail {
 
 [[nodiscard]] inline std::vector<Place> points_of(const InstrumentBody& body) {
   switch (const DrawnKind kind = drawn_kind(body)) {
-    case DrawnKind::kNothing: return {};
-    case DrawnKind::kMass: return {Place{}};
-    case DrawnKind::kString: return points_along(extent_of(body.resonator.body), kStringPoints);
-    case DrawnKind::kBar: return points_along(extent_of(body.resonator.body), kBarPoints);
-    default: return points_of_disc(extent_of(body.resonator.body), kind == DrawnKind::kFreePlate);
+    case DrawnKind::kNothing:
+      return {};
+    case DrawnKind::kMass:
+      return {Place{}};
+    case DrawnKind::kString:
+      return points_along(extent_of(body.resonator.body), kStringPoints);
+    case DrawnKind::kBar:
+      return points_along(extent_of(body.resonator.body), kBarPoints);
+    default:
+      return points_of_disc(extent_of(body.resonator.body), kind == DrawnKind::kFreePlate);
   }
 }
 
 [[nodiscard]] inline double part_of_length(const InstrumentBody& body, const Place& point) {
   switch (drawn_kind(body)) {
     case DrawnKind::kNothing:
-    case DrawnKind::kMass: return kNowhere;
+    case DrawnKind::kMass:
+      return kNowhere;
     case DrawnKind::kString:
-    case DrawnKind::kBar: return point.position_m / extent_of(body.resonator.body);
-    default: return (1 + position_of(point) / extent_of(body.resonator.body)) / 2;
+    case DrawnKind::kBar:
+      return point.position_m / extent_of(body.resonator.body);
+    default:
+      return (1 + position_of(point) / extent_of(body.resonator.body)) / 2;
   }
 }
 
@@ -82,8 +90,7 @@ namespace detail {
   const InstrumentArrays arrays = arrays_of(shapes, max_frequency_hz);
   std::vector<double> places;
   for (const InstrumentPlace& place : model.places)
-    for (const Place& point : place.points)
-      places.push_back(detail::part_of_length(model.bodies[place.body], point));
+    for (const Place& point : place.points) places.push_back(detail::part_of_length(model.bodies[place.body], point));
   return packed(DrawnInstrument{bodies, arrays.shapes, places});
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the bodies of an instrument look like: on its way from the generator's module, which knows their shapes, to the
-// one that draws them, behind the instrument itself.
+// What the bodies of an instrument look like: on its way from the generator's module, which knows their shapes, to
+// the one that draws them, behind the instrument itself.
 #pragma once
 
 #include <cstddef>
