@@ -62,7 +62,8 @@ std::string over_the_speed(const RubbingSurfaces& surfaces) {
   for (const double force_n : kNormalForces_n) {
     Data data(fmt::format("speed_{}", curves.size()));
     for (int i = 0; i <= kPoints; ++i) {
-      const double speed = kSpeeds_m_per_s.low * std::pow(kSpeeds_m_per_s.high / kSpeeds_m_per_s.low, double(i) / kPoints);
+      const double speed =
+          kSpeeds_m_per_s.low * std::pow(kSpeeds_m_per_s.high / kSpeeds_m_per_s.low, double(i) / kPoints);
       data.add({speed, steady_sliding(surfaces, speed, force_n).coefficient});
     }
     curves.push_back({std::move(data), fmt::format("{:g} N", force_n)});

@@ -18,8 +18,9 @@ Bristles read_bristles(const JsonObject& friction) {
 }
 
 FrictionHeat read_heat(const JsonObject& friction) {
-  const JsonObject heat = friction.object("heat", {"cold_coefficient", "hot_coefficient", "softening_k",
-                                                   "capacity_j_per_n_k", "conduction_w_per_n_k", "renewal_w_per_m_k2"});
+  const JsonObject heat =
+      friction.object("heat", {"cold_coefficient", "hot_coefficient", "softening_k", "capacity_j_per_n_k",
+                               "conduction_w_per_n_k", "renewal_w_per_m_k2"});
   const double cold = heat.number("cold_coefficient", kFrictionCoefficient);
   return {.cold_coefficient = cold,
           .hot_coefficient = heat.number("hot_coefficient", {kFrictionCoefficient.min, cold}),
@@ -56,8 +57,8 @@ Sliding steady_sliding(const RubbingSurfaces& surfaces, double speed_m_per_s, do
   const FrictionHeat& heat = surfaces.friction.heat;
   if (!surfaces.warms()) return {heat.cold_coefficient, 0};
   const double power_w = normal_force_n * speed_m_per_s;  // for a coefficient of 1
-  const double cooling_w_per_k = std::sqrt(heat.renewal_w_per_m_k2 * surfaces.width_m * power_w) +
-                                 heat.conduction_w_per_n_k * normal_force_n;
+  const double cooling_w_per_k =
+      std::sqrt(heat.renewal_w_per_m_k2 * surfaces.width_m * power_w) + heat.conduction_w_per_n_k * normal_force_n;
   if (cooling_w_per_k == 0) return {heat.hot_coefficient, std::numeric_limits<double>::infinity()};
   double low = 0, high = heat.cold_coefficient * power_w / cooling_w_per_k;
   for (int i = 0; i < 100; ++i) {

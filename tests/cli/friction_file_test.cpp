@@ -108,7 +108,8 @@ TEST(FrictionFile, IsNotWhatGenerateTakes) {
   const Sandbox box;
   write_file(box / "probe.json", kSkin);
   for (const std::string name : {"probe.json", "rosin"})
-    expect_refused(run({.arguments = {"generate", name}, .folder = box.path()}), name + ": ", "is a friction; allowed: ");
+    expect_refused(run({.arguments = {"generate", name}, .folder = box.path()}), name + ": ",
+                   "is a friction; allowed: ");
   for (const std::string option : {"--compare", "--rate=48000"})
     expect_refused(run({.arguments = {"inspect", "rosin", option}, .folder = box.path()}), "rosin: --",
                    "cannot be used with a friction");
