@@ -225,7 +225,7 @@ void add_cpp_options(const InstrumentModel& model, const InstrumentArrays& array
   values["BASE"] = has_keys ? "Voices<NetworkInstrument<T>>" : "NetworkInstrument<T>";
   values["VOICES"] = has_keys ? "\n#include \"contactspline/instrument/voices.hpp\"" : "";
   std::string& text = values["OPTIONS"] = "";
-  std::vector<std::string> view(17, "{}");  // the last members of InstrumentData
+  std::vector<std::string> view(18, "{}");  // the last members of InstrumentData
   view[0] = has_keys ? add_cpp_keys(keys, arrays, text) : cpp_far_ends(arrays);
   if (!arrays.preset_names.empty()) {
     std::vector<std::string> names;
@@ -259,6 +259,10 @@ void add_cpp_options(const InstrumentModel& model, const InstrumentArrays& array
   add_cpp_forms(arrays, text, view);
   add_cpp_bows(model, arrays, text, view);
   add_cpp_input(model, arrays, text, view);
+  if (!arrays.offsets_m.empty()) {
+    text += cpp_numbers("offsets_m", arrays.offsets_m);
+    view[17] = "offsets_m";
+  }
   while (!view.empty() && view.back() == "{}") view.pop_back();
   values["OPTIONS_VIEW"] = view.empty() ? "" : fmt::format(",\n              {}", fmt::join(view, ", "));
 }
@@ -366,6 +370,8 @@ std::string json_options_of(const InstrumentModel& model, const InstrumentArrays
   if (!arrays.input_places.empty())
     text += fmt::format(",\n  \"input\": {{\"places\": [{}], \"full_scale_n\": {}}}",
                         whole_numbers(arrays.input_places), literal(model.input.full_scale_n));
+  if (!arrays.offsets_m.empty())
+    text += fmt::format(",\n  \"offsets_m\": [\n{}\n  ]", literal_rows(arrays.offsets_m, 4));
   if (model.presets.empty()) return text;
   return text + fmt::format(",\n  \"presets\": [\n{}\n  ]",
                             rows_of(model.presets, "    ", [&](const ModelPreset& preset, std::size_t) {
@@ -430,6 +436,7 @@ std::string json_connection(const InstrumentConnection& c) {
     row += fmt::format(", \"stiffness_n_per_m\": {}, \"resistance_n_s_per_m\": {}", literal(c.stiffness_n_per_m),
                        literal(c.resistance_n_s_per_m));
   if (c.kind == ConnectionKind::kFriction) row += json_friction(c.friction);
+  if (c.kind == ConnectionKind::kFriction && c.weight != 1) row += fmt::format(", \"weight\": {}", literal(c.weight));
   return row + "}";
 }
 

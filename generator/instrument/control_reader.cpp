@@ -110,9 +110,9 @@ class ControlReader {
     }
   }
 
-  // A place that a control may move: one point of a string, which no rigid link holds.
+  // A place that a control may move: points of a string, which no rigid link holds.
   std::size_t place_on_string(const JsonObject& json, const char* key, const std::string& name) const {
-    const std::size_t place = draft_.single_place(json, key, name);
+    const std::size_t place = index_of(json, json.key(key), name, model_.places, "place");
     if (const InstrumentBody* body = model_.stretching_body())
       json.fail(json.key(key), fmt::format("stands in a file where '{}' has `stretch`", body->name),
                 "places that move or `stretch`, one of the two");
@@ -144,7 +144,7 @@ class ControlReader {
       case ControlQuantity::kResistance:
         return model_.connections[target].each.resistance_n_s_per_m;
       case ControlQuantity::kPlace:
-        return model_.places[target].points.front().position_m;
+        return model_.places[target].middle_m();
       case ControlQuantity::kMass:
         return mass_of(target);
       case ControlQuantity::kNormalForce:
@@ -165,8 +165,7 @@ class ControlReader {
                                             const ControlTargets& control) const {
     Range all = range_of(control.quantity);
     if (control.quantity == ControlQuantity::kPlace)
-      for (const std::size_t place : control.targets)
-        all.max = std::min(all.max, extent_of(model_.bodies[model_.places[place].body].resonator.body));
+      for (const std::size_t place : control.targets) narrow_to_string(model_.places[place], all);
     const Range range{json.has("min") ? json.number("min", all) : all.min,
                       json.has("max") ? json.number("max", all) : all.max};
     if (!(range.min < range.max))
@@ -186,6 +185,14 @@ class ControlReader {
             .scale = is_logarithmic ? Scale::kLogarithmic : Scale::kLinear,
             .acts = waits ? Acts::kAtNextNote : Acts::kAtOnce,
             .glide_s = waits ? 0 : control_quantity<double>(control.quantity).glide_s};
+  }
+
+  // Where the middle of points may be that stay on their string.
+  void narrow_to_string(const InstrumentPlace& place, Range& range) const {
+    const auto [first, last] = std::ranges::minmax(place.points, {}, &Place::position_m);
+    const double length_m = extent_of(model_.bodies[place.body].resonator.body);
+    range.min = std::max(range.min, place.middle_m() - first.position_m);
+    range.max = std::min(range.max, length_m - (last.position_m - place.middle_m()));
   }
 
   static bool acts_at_next_note(const JsonObject& json, ControlQuantity quantity) {

@@ -202,14 +202,21 @@ class Flattener {
     return first_place_[place] + (model_.places[place].points.size() == 1 ? 0 : i);
   }
 
+  // The points of friction share its force and its width.
   void add_group(const ConnectionGroup& group) {
     first_connection_.push_back(arrays_.connections.size());
+    const auto points = static_cast<double>(group.gaps_m.size());
     for (std::size_t i = 0; i < group.gaps_m.size(); ++i) {
       InstrumentConnection connection = group.each;
       connection.first = point(group.each.first, i);
       connection.second = point(group.each.second, i);
       connection.gap_m = group.gaps_m[i];
       if (!group.weights.empty()) connection.weight = group.weights[i];
+      if (group.each.kind == ConnectionKind::kFriction) {
+        connection.weight = 1 / points;
+        connection.friction.normal_force_n /= points;
+        connection.friction.width_m /= points;
+      }
       if (std::size_t& contact = connection.friction.pressed_by; contact != kNoConnection)
         contact = first_connection_[contact] + i;
       arrays_.connections.push_back(connection);
@@ -219,8 +226,10 @@ class Flattener {
   void add_control(const ControlTargets& control) {
     const std::size_t begin = arrays_.targets.size();
     for (const std::size_t target : control.targets) {
-      if (control.quantity == ControlQuantity::kForce || control.quantity == ControlQuantity::kPlace) {
+      if (control.quantity == ControlQuantity::kForce) {
         arrays_.targets.push_back(first_place_[target]);
+      } else if (control.quantity == ControlQuantity::kPlace) {
+        add_moving_points(target);
       } else if (control.quantity == ControlQuantity::kDamping || control.quantity == ControlQuantity::kMass) {
         arrays_.targets.push_back(target);
       } else {
@@ -228,6 +237,18 @@ class Flattener {
       }
     }
     arrays_.controls.push_back({control.quantity, begin, arrays_.targets.size() - begin});
+  }
+
+  // A control sets the middle of the points of a place, which keep their distances.
+  void add_moving_points(std::size_t place) {
+    const InstrumentPlace& moved = model_.places[place];
+    if (moved.points.size() > 1) arrays_.offsets_m.resize(arrays_.place_bodies.size());
+    for (std::size_t i = 0; i < moved.points.size(); ++i) {
+      const std::size_t point = first_place_[place] + i;
+      arrays_.targets.push_back(point);
+      if (moved.points.size() > 1)
+        arrays_.offsets_m[point] = thirteen_digits(moved.points[i].position_m - moved.middle_m());
+    }
   }
 
   // The points of a body where something acts.
@@ -412,7 +433,8 @@ InstrumentData InstrumentArrays::view() const {
           .bows = bows,
           .assistance = model->assistance,
           .input_places = input_places,
-          .input_scale_n = model->input.full_scale_n};
+          .input_scale_n = model->input.full_scale_n,
+          .offsets_m = offsets_m};
 }
 
 double effective_mass(const InstrumentModel& model, std::size_t place, std::size_t point, bool moves) {

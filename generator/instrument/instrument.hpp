@@ -47,6 +47,13 @@ struct InstrumentPlace {
   std::size_t body;
   std::vector<Place> points;
   std::vector<double> shapes = {};  ///< one for each row of a table of modes
+
+  /// Of points along a string: the mean of their positions, which a control sets [m].
+  [[nodiscard]] double middle_m() const {
+    double sum = 0;
+    for (const Place& point : points) sum += point.position_m;
+    return sum / static_cast<double>(points.size());
+  }
 };
 
 struct ContactTable {
@@ -187,6 +194,7 @@ struct InstrumentArrays {
   std::vector<StretchForm::Product> stretch_products;
   std::vector<InstrumentBow> bows;
   std::vector<std::size_t> input_places;
+  std::vector<double> offsets_m;                 ///< empty unless a control moves several points together
   std::shared_ptr<const InstrumentModel> model;  ///< with the text of all names
 
   [[nodiscard]] InstrumentData view() const;

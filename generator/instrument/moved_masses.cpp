@@ -58,7 +58,8 @@ void MovedMasses::check_lightest(const JsonObject& json, const ControlTargets& c
   for (const std::size_t target : control.targets) {
     const std::size_t place = moves ? target : place_of_mass(target);
     if (!masses_kg_.contains(place)) continue;  // nothing touches it
-    masses_kg_[place] = {moves ? effective_mass(draft_.model, place, 0, true) : min_mass_kg};
+    masses_kg_[place].assign(draft_.points_of(place),
+                             moves ? effective_mass(draft_.model, place, 0, true) : min_mass_kg);
     for (const ConnectionGroup& group : draft_.model.connections)
       if (group.each.kind == ConnectionKind::kContact && (group.each.first == place || group.each.second == place))
         check_stiffness(json, moves ? "place_m" : "min", group, largest_ratio(group));

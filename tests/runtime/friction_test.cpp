@@ -72,8 +72,8 @@ TYPED_TEST(FrictionStepOf, SolvesItsEquation) {
     const double x = double(low), force = double(sample.force(low));
     ASSERT_TRUE(within(step.increment, x, kRounding * reach)) << n;
     ASSERT_TRUE(within(step.force, force, kRounding * sample.limit() + 1e-15 * sample.limit())) << n;
-    ASSERT_TRUE(within(sample.law.force_at(step.increment), step.force,
-                       kRounding * (sample.limit() + sample.law.slope_at(step.increment) * reach)))
+    ASSERT_TRUE(within(sample.law.at(step.increment).force, step.force,
+                       kRounding * (sample.limit() + sample.law.at(step.increment).slope * reach)))
         << n;
     const auto end_of = sample.law.end_of(step.increment, step.force);
     const double moved = reach + double(sample.law.yield);
@@ -82,9 +82,9 @@ TYPED_TEST(FrictionStepOf, SolvesItsEquation) {
     ASSERT_TRUE(within(step.slip, std::abs(sample.law.strain + x - end), kRounding * moved)) << n;
     ASSERT_TRUE(within(end_of.strain, end, kRounding * moved)) << n;
     ASSERT_TRUE(within(end_of.slip, step.slip, kRounding * moved)) << n;
-    const T slope = sample.law.slope_at(step.increment), margin = T(1e-3) * std::abs(step.increment);
-    const T below = sample.law.force_at(step.increment - margin),
-            above = sample.law.force_at(step.increment + margin);
+    const T slope = sample.law.at(step.increment).slope, margin = T(1e-3) * std::abs(step.increment);
+    const T below = sample.law.at(step.increment - margin).force,
+            above = sample.law.at(step.increment + margin).force;
     if (sample.law.holds(step.increment - margin) == sample.law.holds(step.increment + margin)) {
       ASSERT_TRUE(within(slope * 2 * margin, above - below, kRounding * sample.limit() + 1e-5 * (above - below)))
           << n;

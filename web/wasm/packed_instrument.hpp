@@ -108,7 +108,7 @@ void take_instrument(Archive& archive, InstrumentData& data) {
            data.preset_names, data.preset_values, data.wavenumbers, data.memories, data.memory_ends,
            data.pressure_rate_hz, data.pressure_paths, data.pressure_taps, data.holds, data.stretch_forms,
            data.stretch_squares, data.stretch_products, data.bows, data.assistance, data.input_places,
-           data.input_scale_n);
+           data.input_scale_n, data.offsets_m);
   take_texts(archive, data.parameters, &Parameter::name, &Parameter::unit);
   take_texts(archive, data.events, &Event::name);
   take_texts(archive, data.outputs, &Output::name, &Output::unit);

@@ -43,7 +43,7 @@ struct InstrumentConnection {
   std::size_t first, second;
   std::size_t table = 0;  ///< of a contact
   double gap_m = 0;
-  double weight = 1, loss_s_per_m = 0;                     ///< of a contact
+  double weight = 1, loss_s_per_m = 0;                     ///< of a contact; of friction the part of the normal force
   double stiffness_n_per_m = 0, resistance_n_s_per_m = 0;  ///< of a spring
   InstrumentFriction friction = {};                        ///< of friction
   double moved_m = 0;                                      ///< gap_m, as it is at rest, less the gap of the file
@@ -66,9 +66,9 @@ enum class ControlQuantity {
   kGapShift,        ///< of connections: is added to their gaps [m]; the sum is moved into gap_range()
   kStiffness,       ///< of springs [N/m]
   kResistance,      ///< of springs [N s/m]
-  kPlace,           ///< where places are on their strings [m]
+  kPlace,           ///< where places are on their strings, less their offsets_m [m]
   kMass,            ///< of free masses, from their next throw on [kg]
-  kNormalForce,     ///< of friction [N]
+  kNormalForce,     ///< of friction, of all its points together [N]
   kSurfaceSpeed     ///< of friction [m/s]
 };
 
@@ -197,7 +197,8 @@ struct InstrumentForm {
 /// rest, with the gaps as they are there. stretch_forms: how bodies stretch from where they rest, by rising body;
 /// stretch_squares: for each form the squares of all modes of its body; stretch_products: of each form. assistance:
 /// the parameter of the bows whose limits are known. input_places: that the input pushes, each by its whole force;
-/// input_scale_n: the force that hosts play as 1, 0 without an input. license: SPDX identifier.
+/// input_scale_n: the force that hosts play as 1, 0 without an input. offsets_m: of the places, how far they are from
+/// where their control says; empty where all are there. license: SPDX identifier.
 struct InstrumentData {
   const char *name, *description, *license;
   std::span<const double> angular_frequencies, decays, masses;
@@ -231,6 +232,7 @@ struct InstrumentData {
   std::size_t assistance = kNoParameter;
   std::span<const std::size_t> input_places = {};
   double input_scale_n = 0;
+  std::span<const double> offsets_m = {};
 
   [[nodiscard]] std::size_t modes_of(std::size_t body) const {
     return body_ends[body] - (body == 0 ? 0 : body_ends[body - 1]);

@@ -34,6 +34,8 @@ struct InstrumentParts {
       ratios.push_back(1);
     }
     places_m.resize(data.place_bodies.size());
+    offsets_m.assign(data.offsets_m.begin(), data.offsets_m.end());
+    offsets_m.resize(data.place_bodies.size());
     masses_kg.resize(data.body_ends.size());
     for (std::size_t c = 0; c < data.controls.size(); ++c)
       for (const std::size_t target : data.targets_of(data.controls[c]))
@@ -60,13 +62,13 @@ struct InstrumentParts {
         connections[target].resistance_n_s_per_m = double(value);
         break;
       case ControlQuantity::kPlace:
-        places_m[target] = value;
+        places_m[target] = value + offsets_m[target];
         break;
       case ControlQuantity::kMass:
         masses_kg[target] = double(value);
         break;
       case ControlQuantity::kNormalForce:
-        connections[target].friction.normal_force_n = double(value);
+        connections[target].friction.normal_force_n = connections[target].weight * double(value);
         break;
       case ControlQuantity::kSurfaceSpeed:
         connections[target].friction.surface_speed_m_per_s = double(value);
@@ -140,7 +142,7 @@ struct InstrumentParts {
   }
 
   std::vector<InstrumentConnection> connections;
-  std::vector<T> gaps_m, ratios;
+  std::vector<T> gaps_m, ratios, offsets_m;
   std::vector<std::optional<T>> places_m;        // of the places that a control moves
   std::vector<std::optional<double>> masses_kg;  // of the bodies, where a control sets it
   std::vector<std::vector<Segment<T>>> tables;

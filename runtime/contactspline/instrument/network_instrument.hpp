@@ -355,8 +355,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
       is_waiting_[c] = false;
       has_changed = true;
       if (control.quantity == ControlQuantity::kPlace)
-        for (const std::size_t place : data_.targets_of(control))
-          network_->put_place(place, static_cast<T>(values_[c]));
+        for (const std::size_t place : data_.targets_of(control)) network_->put_place(place, *parts_.places_m[place]);
       else
         apply(control, static_cast<T>(values_[c]));
     }
@@ -385,7 +384,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
                                static_cast<T>(parts_.connections[k].resistance_n_s_per_m));
           break;
         case ControlQuantity::kPlace:
-          network_->move_place(k, value);
+          network_->move_place(k, *parts_.places_m[k]);
           break;
         case ControlQuantity::kMass: {
           const Mode mass{0, 0, double(value)};

@@ -101,31 +101,34 @@ class LinearSystem {
     if (m == 1) return solve_few<1>();
     if (m == 2) return solve_few<2>();
     if (m == 3) return solve_few<3>();
+    if (m == 4) return solve_few<4>();
     std::fill(right_.data() + m, right_.data() + matrix_.padded(m), T(0));
     kernels<T>.solve_positive_definite(m, matrix_.column(0), matrix_.stride(), right_.data());
   }
 
  private:
-  // The same for so few rows that they fit into registers.
+  // The same for so few rows that they fit into registers, without square roots: L D L^T.
   template <std::size_t kRows>
   void solve_few() {
-    T l[kRows][kRows], x[kRows];
+    T l[kRows][kRows], x[kRows], inverse[kRows];
     for (std::size_t j = 0; j < kRows; ++j) {
-      T diagonal = matrix_(j, j);
+      T diagonal = matrix_(j, j), scaled[kRows];
       x[j] = right_[j];
       for (std::size_t k = 0; k < j; ++k) {
-        l[j][k] = matrix_(j, k);
-        for (std::size_t q = 0; q < k; ++q) l[j][k] -= l[j][q] * l[k][q];
-        l[j][k] *= l[k][k];
-        diagonal -= l[j][k] * l[j][k];
+        scaled[k] = matrix_(j, k);
+        for (std::size_t q = 0; q < k; ++q) scaled[k] -= l[k][q] * scaled[q];
+      }
+      for (std::size_t k = 0; k < j; ++k) {
+        l[j][k] = scaled[k] * inverse[k];
+        diagonal -= l[j][k] * scaled[k];
         x[j] -= l[j][k] * x[k];
       }
-      l[j][j] = 1 / std::sqrt((std::max)(diagonal, T(1)));
-      x[j] *= l[j][j];
+      inverse[j] = 1 / (std::max)(diagonal, T(1));
     }
     for (std::size_t j = kRows; j-- > 0;) {
+      x[j] *= inverse[j];
       for (std::size_t k = j + 1; k < kRows; ++k) x[j] -= l[k][j] * x[k];
-      right_[j] = x[j] *= l[j][j];
+      right_[j] = x[j];
     }
   }
 

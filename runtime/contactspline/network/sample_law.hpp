@@ -62,12 +62,6 @@ struct CoupledConnection {
 
 namespace detail {
 
-/// Force of a connection over a sample and its slope, as functions of the increment.
-template <std::floating_point T>
-struct ForceAndSlope {
-  T force, slope;
-};
-
 /// Compression [m] at the end of a sample, and the segment that holds it.
 template <std::floating_point T>
 struct EndOfSample {
@@ -206,7 +200,7 @@ class ConnectionLaw {
 
   /// As SampleLaw::at.
   [[nodiscard, gnu::always_inline]] ForceAndSlope<T> at(T x, std::size_t& segment) const {
-    if (is_friction_) return {bristles_.force_at(x), bristles_.slope_at(x)};
+    if (is_friction_) return bristles_.at(x);
     return contact_.at(x, segment);
   }
   /// As SampleLaw::steepest_slope.
@@ -219,7 +213,7 @@ class ConnectionLaw {
   [[nodiscard]] StepAlone<T> alone(const CoupledConnection<T>& c, const Approach<T>& approach, T time_step) const {
     if (is_friction_) {
       const FrictionStep<T> step = bristles_.step(approach.free_increment, approach.admittance);
-      return {step.force, bristles_.slope_at(step.increment), c.segment};
+      return {step.force, bristles_.at(step.increment).slope, c.segment};
     }
     const ContactStep<T> step = c.memory.step(c.table, c.contact, time_step, approach, c.segment);
     return {step.force, contact_.slope_at(step), step.segment};

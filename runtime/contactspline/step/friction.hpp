@@ -37,6 +37,12 @@ struct FrictionStep {
 
 namespace detail {
 
+/// Force of a connection over a sample and its slope, as functions of the increment.
+template <std::floating_point T>
+struct ForceAndSlope {
+  T force, slope;
+};
+
 /// Bristles over one sample: stiffness k, strain z and the strain L at which they yield. With W(u) = k u^2/2 up to
 /// |u| = L and k (L |u| - L^2/2) beyond, the force over an increment x is
 ///
@@ -54,15 +60,12 @@ struct BristleLaw {
   [[nodiscard]] constexpr T force_at_rest() const { return stiffness * strain; }  ///< for x = 0 [N]
   [[nodiscard]] constexpr bool holds(T x) const { return std::abs(strain + x) <= yield; }
 
-  /// Force of an increment x [N].
-  [[nodiscard]] constexpr T force_at(T x) const {
-    if (holds(x)) return force_at_rest() + slope() * x;
+  /// Force of an increment x [N] and its slope.
+  [[nodiscard, gnu::always_inline]] constexpr ForceAndSlope<T> at(T x) const {
+    if (holds(x)) return {force_at_rest() + slope() * x, slope()};
     const Yielding end(*this, x);
-    return end.sign * end.force_at(std::abs(x));
-  }
-  /// Slope of this force [N/m].
-  [[nodiscard]] constexpr T slope_at(T x) const {
-    return holds(x) ? slope() : Yielding(*this, x).slope_at(std::abs(x));
+    const T part = end.held_part(std::abs(x));
+    return {end.sign * end.force_at(part), stiffness / 2 * part * part};
   }
   /// The step with an increment x and its force, whatever that is.
   [[nodiscard]] constexpr FrictionStep<T> end_of(T x, T force) const {
@@ -72,12 +75,13 @@ struct BristleLaw {
   }
 
   /// Solves x = xf - xi f(x): a linear equation while the bristles hold, a quadratic one where they yield.
-  [[nodiscard]] constexpr FrictionStep<T> step(T xf, T xi) const {
+  [[nodiscard, gnu::always_inline]] constexpr FrictionStep<T> step(T xf, T xi) const {
     const T divisor = 1 + xi * slope(), x = (xf - xi * force_at_rest()) / divisor;
     if (holds(x)) return {(force_at_rest() + slope() * xf) / divisor, x, strain + x, 0};
     const Yielding end(*this, x);
     const T increment = end.increment(end.sign * xf, xi);
-    return {end.sign * end.force_at(increment), end.sign * increment, end.sign * yield, increment - end.distance};
+    return {end.sign * end.force_at(end.held_part(increment)), end.sign * increment, end.sign * yield,
+            increment - end.distance};
   }
 
   /// Energy that the bristles store [J].
@@ -104,8 +108,7 @@ struct BristleLaw {
 
     /// What of |x| the bristles hold, 0 to 1.
     [[nodiscard]] constexpr T held_part(T x) const { return distance < x ? distance / x : T(distance > 0); }
-    [[nodiscard]] constexpr T force_at(T x) const { return limit - stiffness / 2 * distance * held_part(x); }
-    [[nodiscard]] constexpr T slope_at(T x) const { return stiffness / 2 * held_part(x) * held_part(x); }
+    [[nodiscard]] constexpr T force_at(T part) const { return limit - stiffness / 2 * distance * part; }
 
     /// The root of x^2 - (xf - xi limit) x - xi k distance^2/2 beyond the end.
     [[nodiscard]] constexpr T increment(T xf, T xi) const {
