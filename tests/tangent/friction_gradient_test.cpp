@@ -24,7 +24,8 @@ namespace {
 constexpr std::size_t kSamples = 1500, kModes = 8;
 
 /// A string that is bowed at two points of rosin, which a felted mass presses on at one of them; the string ends on a
-/// second body, which a third friction of a constant coefficient rubs. Each number may be moved by a part h of itself.
+/// second body, which a third friction of a constant coefficient rubs. Each number may be moved by a part h of
+/// itself.
 template <typename T>
 struct Bowed {
   enum Number {
@@ -49,12 +50,11 @@ struct Bowed {
   Bowed(Random random, int moved, double h) {
     const auto part = [&](Number number, double value) { return number == moved ? value * (1 + h) : value; };
     rate = random.log_between(30000, 100000);
-    material = {.bristles = {part(kStiffness, random.log_between(1e5, 1e7)),
-                             part(kDamping, random.log_between(0.01, 1))},
-                .heat = {part(kCold, random.between(0.8, 1.2)), part(kHot, random.between(0.1, 0.3)),
-                         part(kSoftening, random.between(15, 40)), part(kCapacity, random.log_between(5e-7, 5e-6)),
-                         part(kConduction, random.log_between(5e-5, 5e-4)),
-                         part(kRenewal, random.between(0.02, 0.08))}};
+    material = {
+        .bristles = {part(kStiffness, random.log_between(1e5, 1e7)), part(kDamping, random.log_between(0.01, 1))},
+        .heat = {part(kCold, random.between(0.8, 1.2)), part(kHot, random.between(0.1, 0.3)),
+                 part(kSoftening, random.between(15, 40)), part(kCapacity, random.log_between(5e-7, 5e-6)),
+                 part(kConduction, random.log_between(5e-5, 5e-4)), part(kRenewal, random.between(0.02, 0.08))}};
     width_m = part(kWidth, 0.01);
     normal_n = part(kNormal, random.between(0.2, 2)), speed = part(kSpeed, random.between(0.05, 0.3));
     thrown = part(kThrow, random.between(0.5, 1.5));
@@ -166,8 +166,8 @@ struct Slopes {
   Tangent tangent;
 };
 
-// Numbers of double, moved by 1e-9 of themselves, are rounded by 1e-7 of that; the sums cancel to a hundredth at most.
-// Steps so small meet no sample that begins or ends to slip, where the force has a kink.
+// Numbers of double, moved by 1e-9 of themselves, are rounded by 1e-7 of that; the sums cancel to a hundredth at
+// most. Steps so small meet no sample that begins or ends to slip, where the force has a kink.
 TEST(FrictionTangent, IsTheLimitOfCentralDifferences) {
   std::array<double, Played::kNumbers> worst{};
   std::size_t slipped = 0;

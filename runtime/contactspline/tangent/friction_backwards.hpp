@@ -38,8 +38,8 @@ class FrictionBackwards {
                      kept_.normal_force * kept.normal_force.slopes[i];
     response_ = sample.respond(rubbing.increment);
   }
-  [[nodiscard]] T of_increment() const { return adjoints_[kIncrement]; }     ///< its adjoint by what is kept
-  [[nodiscard]] T response() const { return response_.stiffness; }          ///< slope of the force [N/m]
+  [[nodiscard]] T of_increment() const { return adjoints_[kIncrement]; }  ///< its adjoint by what is kept
+  [[nodiscard]] T response() const { return response_.stiffness; }        ///< slope of the force [N/m]
 
   /// The same sample, with the adjoint of its force. Returns that of a force that presses the surfaces.
   T push(T force) {
