@@ -8,9 +8,9 @@
 PROGRAM is contactspline. RECORDINGS holds SOURCE/KEY.wav, notes that are held, by the key of MIDI. `fit` writes FILE:
 
 1. strings: impedances and tensions of INSTRUMENTS below; losses of equal quality on all strings; torsion with 2.5 times the
-   impedance and 5.5 times the frequencies, quality 30; a bow 0.12 of the length from the bridge, with a force over speed of 4.8
-   to 12 times the impedance: the lower half of the range, in dB, over which bench/bowing found Helmholtz motion on the violin's D string
-   with assumed losses;
+   impedance and 5.5 times the frequencies, quality 30; a bow of POINTS over HAIR_M, 0.12 of the length from the bridge, with a force
+   over speed of 4.8 to 12 times the impedance: the lower half of the range, in dB, over which bench/bowing found Helmholtz motion on
+   the violin's D string with assumed losses;
 2. body: the low modes of INSTRUMENTS, and above them modes at equal ratios of frequency, SPACING, with the loss factor LOSS.
    They are those of a plate whose single resonances nobody hears. Their masses give each the ADMITTANCE at its resonance;
 3. what the body radiates, `wood`: the shapes of these modes with which the levels of partials up to TOP Hz are those of the
@@ -36,7 +36,7 @@ from scipy.optimize import least_squares
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 from notes import RATE, read, recorded, rounded, text_of  # noqa: E402
 
-BOW = 0.12
+BOW, POINTS, HAIR_M = 0.12, 4, 0.01
 ABOVE = 15  # semitones from the highest string up, over which keys tune it
 SPACING, LOSS, ADMITTANCE, TOP, PULL, TRIALS = 1.12, 0.04, 0.015, 12000, 0.3, 6
 INSTRUMENTS = {
@@ -46,17 +46,18 @@ INSTRUMENTS = {
         "strings": [("g", 55, 46, 6e-5), ("d", 62, 47.7198, 5e-5), ("a", 69, 55, 3e-5), ("e", 76, 76, 4.5e-5)],
         "low": [(275, 29, 0.6), (405, 30, 0.5), (455, 35, 0.2), (540, 42, 0.15), (700, 55, 0.4), (850, 70, 0.35), (1010, 80, 0.35)],
         "from_hz": 1100, "force_n": 0.5, "full_scale": 0.021, "about": """\
-// A violin under a rigid bow of one point. The D string has the impedance of a steel D string, 0.25 kg/s (Schoonderwaldt, Guettler
-// and Askenfelt, Acta Acustica united with Acustica 94, 2008); the tensions of the others are typical ones. Lowest modes of the
-// body about A0, CBR, B1- and B1+.
+// A violin under four points of hair of a rigid bow. The D string has the impedance of a steel D string, 0.25 kg/s (Schoonderwaldt,
+// Guettler and Askenfelt, Acta Acustica united with Acustica 94, 2008); the tensions of the others are typical ones. Lowest modes of
+// the body about A0, CBR, B1- and B1+.
 """},
     "cello": {
         "description": "four strings of a cello under a bow", "length_m": 0.69, "behind_m": 0.025,
         "strings": [("c", 36, 132, 5e-4), ("g", 43, 134, 4e-4), ("d", 50, 111, 3e-4), ("a", 57, 160, 3e-4)],
         "low": [(60, 10, 3), (102, 13, 2), (145, 16, 1.5), (175, 20, 1.1), (197, 22, 1.1), (240, 25, 1.2), (300, 28, 1)],
         "from_hz": 350, "force_n": 1, "full_scale": 0.02, "about": """\
-// A cello under a rigid bow of one point. The D string has the tension and the stiffness of Mansour, Woodhouse and Scavone (Acta
-// Acustica united with Acustica 102, 2016); those of the others are typical ones. Lowest modes of the body about A0, CBR, B1- and B1+.
+// A cello under four points of hair of a rigid bow. The D string has the tension and the stiffness of Mansour, Woodhouse and Scavone
+// (Acta Acustica united with Acustica 102, 2016); those of the others are typical ones. Lowest modes of the body about A0, CBR, B1-
+// and B1+.
 """}}
 HEADER = """\
 // Written by bench/bowed/make.py, which says how: the shapes of `wood` are fitted to recorded notes of FluidR3 GM (MIT) and of
@@ -96,7 +97,9 @@ def string_parts(instrument, name, key, tension_n, stiffness):
     shapes = [rounded(math.sin(math.pi * n * BOW)) for n in range(1, count + 1)]
     bodies = [{"name": name, "string": string, "max_modes": min(70, int(21000 / f))},
               {"name": f"{name}_torsion", "modes": modes(torsion)}]
-    places = [{"name": f"{name}_bowed", "body": name, "position_m": rounded(length * (1 - BOW), 4)},
+    middle = rounded(length * (1 - BOW), 4)
+    hair = [rounded(middle + ((point + 0.5) / POINTS - 0.5) * HAIR_M) for point in range(POINTS)]
+    places = [{"name": f"{name}_bowed", "body": name, "positions_m": hair},
               {"name": f"{name}_over_bridge", "body": name, "position_m": length},
               {"name": f"{name}_surface", "body": f"{name}_torsion", "shapes": shapes}]
     return bodies, places, math.sqrt(tension_n * per_m)
@@ -119,6 +122,7 @@ def instrument_of(kind, wood):
                 {"name": "hand", "damping_per_s": names, "max": 500}],
             "outputs": [{"name": "wood", "velocity_m_per_s": "wood", "full_scale": instrument["full_scale"]},
                         {"name": "bridge", "force_n": [f"{name}_foot" for name in names], "full_scale": 6 * instrument["force_n"]}],
+            "input": {"force_n": "bridge", "full_scale": rounded(6 * instrument["force_n"])},
             "keys": [], "polyphony": 1, "damper": {"bodies": names, "damping_per_s": 15},
             "presets": [{"name": "bowed"},
                         {"name": "near the bridge", "bow_normal_force_n": 2 * instrument["force_n"], "bow_place_m": rounded(0.925 * length)},
