@@ -106,8 +106,12 @@ class NetworkFrames {
                  const NetworkBooks& books) const {
     const ContactNetwork<double>& network = instrument.network();
     const double imbalance = books.bodies + books.contacts + books.lost - books.work;
-    double force = event_.kind == EventKind::kBow ? 0 : instrument.contact_force();
-    for (const std::size_t k : rubbing_) force += std::abs(network.force(k));
+    double rubbed = 0, slip = 0;  // of all points of a bow: force, mean slip
+    for (const std::size_t k : rubbing_) {
+      rubbed += network.force(k);
+      slip += network.slip(k) / static_cast<double>(rubbing_.size());
+    }
+    const double force = event_.kind == EventKind::kBow ? std::abs(rubbed) : instrument.contact_force();
     numbers.insert(numbers.end(), {force, books.bodies, books.contacts, books.lost, imbalance});
     for (const Curve& curve : curves_)
       for (const auto& shapes : curve.points) numbers.push_back(network.body(curve.body).displacement(shapes));
@@ -115,10 +119,7 @@ class NetworkFrames {
       numbers.push_back(network.compression(k));
       numbers.push_back(network.force(k));
     }
-    for (const std::size_t k : rubbing_) {
-      numbers.push_back(network.force(k));
-      numbers.push_back(network.slip(k));
-    }
+    if (!rubbing_.empty()) numbers.insert(numbers.end(), {rubbed, slip});
   }
 
   [[nodiscard]] std::string scene(double work_j) const {
@@ -134,12 +135,7 @@ class NetworkFrames {
       items.push_back(contact_item(k, column));
       column += 2;
     }
-    for (const std::size_t k : rubbing_) {
-      items.push_back(fmt::format(R"({{"kind": "bow", "at": {:.17g}, "string": {}, "force": {}, "slip": {}}})",
-                                  at(data_.connections[k].second),
-                                  column_of(geometry_.body(data_.connections[k].second)), column, column + 1));
-      column += 2;
-    }
+    if (!rubbing_.empty()) items.push_back(bow_item(column));
     return fmt::format(
         R"({{"throws": {}, "moves": null, "plucks": {}, "force": 0, "energies": [], "isFlipped": {}, "items": [{}], )"
         R"("books": [["bodies", 1], ["contacts", 2], ["lost", 3]], "imbalance": 4, "work": {:.17g}}})",
@@ -278,6 +274,15 @@ class NetworkFrames {
       const std::size_t body = geometry_.body(place);
       return body != kGround && geometry_.is_mass(body) && !is_struck_mass(body);
     });
+  }
+
+  // A bow in the middle of the points that it touches.
+  [[nodiscard]] std::string bow_item(std::size_t column) const {
+    double middle = 0;
+    for (const std::size_t k : rubbing_)
+      middle += at(data_.connections[k].second) / static_cast<double>(rubbing_.size());
+    return fmt::format(R"({{"kind": "bow", "at": {:.17g}, "string": {}, "force": {}, "slip": {}}})", middle,
+                       column_of(geometry_.body(data_.connections[rubbing_.front()].second)), column, column + 1);
   }
 
   // A mass that meets something, a stop in the way of a string, or two bodies that meet.
