@@ -107,28 +107,26 @@ class LinearSystem {
   }
 
  private:
-  // The same for so few rows that they fit into registers, without square roots: L D L^T.
+  // The same for so few rows that they fit into registers.
   template <std::size_t kRows>
   void solve_few() {
-    T l[kRows][kRows], x[kRows], inverse[kRows];
+    T l[kRows][kRows], x[kRows];
     for (std::size_t j = 0; j < kRows; ++j) {
-      T diagonal = matrix_(j, j), scaled[kRows];
+      T diagonal = matrix_(j, j);
       x[j] = right_[j];
       for (std::size_t k = 0; k < j; ++k) {
-        scaled[k] = matrix_(j, k);
-        for (std::size_t q = 0; q < k; ++q) scaled[k] -= l[k][q] * scaled[q];
-      }
-      for (std::size_t k = 0; k < j; ++k) {
-        l[j][k] = scaled[k] * inverse[k];
-        diagonal -= l[j][k] * scaled[k];
+        l[j][k] = matrix_(j, k);
+        for (std::size_t q = 0; q < k; ++q) l[j][k] -= l[j][q] * l[k][q];
+        l[j][k] *= l[k][k];
+        diagonal -= l[j][k] * l[j][k];
         x[j] -= l[j][k] * x[k];
       }
-      inverse[j] = 1 / (std::max)(diagonal, T(1));
+      l[j][j] = 1 / std::sqrt((std::max)(diagonal, T(1)));
+      x[j] *= l[j][j];
     }
     for (std::size_t j = kRows; j-- > 0;) {
-      x[j] *= inverse[j];
       for (std::size_t k = j + 1; k < kRows; ++k) x[j] -= l[k][j] * x[k];
-      right_[j] = x[j];
+      right_[j] = x[j] *= l[j][j];
     }
   }
 
