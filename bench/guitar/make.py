@@ -1,0 +1,266 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""Makes the file of the classical guitar, with parts that are fitted to recorded notes.
+
+    make.py fit PROGRAM RECORDINGS FILE
+    make.py distance PROGRAM FILE FITTED KEPT
+
+PROGRAM is contactspline. RECORDINGS, FITTED and KEPT hold SOURCE/KEY.wav, single notes of open strings at 44.1 kHz under their
+keys of MIDI. `fit` writes FILE. It searches by least squares from BEGIN: the losses of each string, where it is plucked, masses,
+decays and shapes of the body's modes, and how strongly they sound outside, above 1.3 kHz a curve over the frequency. What is
+made small are, for each note,
+
+    differences of log-mel spectrograms: 48 bands from 60 Hz to 12 kHz, each note of the same A-weighted loudness, down to 60 dB below
+        the recording's largest value, means over 46 ms
+    differences of the levels of partials 1 to 20 over 0.7 s, less their median
+    logarithms of the ratios of the decays of these partials from 40 to 500 ms
+
+Fitted: E2, A2, D3, G3, B3 and E4 of Nylon Guitar of FluidR3 GM (fluid-soundfont-gm, MIT) and of tonejs-instrument-guitar-nylon
+(npm; CC-BY 3.0). Kept: Nylon Guitar of freepats (GPL-2 with an exception for music).
+
+`distance` prints medians over the notes: of log-mel spectrograms, of levels of partials and of the ratios of the decays of
+partials from 40 to 500 ms, for the recordings that were fitted and for those that were kept.
+"""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.signal import fftconvolve
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from notes import RATE, a_weighting, from_onset, mel, read, recorded, rounded, text_of
+
+LENGTH, SADDLE = 0.66, 0.648
+SECONDS, TOP = 1.8, 12000
+LEVELS, DECAYS = 1.5, 3.5  # how much a decibel of a partial and an octave of its decay count beside a decibel of the spectrograms
+# Of each string: key, mass [kg/m] of a usual set, modes, and the inharmonicity of its partials in the recordings that are fitted.
+STRINGS = {"e2": (40, 6.24e-3, 60, 2.8e-5), "a2": (45, 3.61e-3, 50, 1.67e-5), "d3": (50, 1.95e-3, 42, 1.32e-5),
+           "g3": (55, 9.0e-4, 34, 1.55e-4), "b3": (59, 5.2e-4, 30, 6.3e-5), "e4": (64, 3.8e-4, 26, 3.6e-5)}
+# Of each low mode: frequency [Hz], decay [1/s], mass [kg], shape at the saddle.
+LOW = [(170, 17.8, 0.1, 1), (245, 19.2, 0.25, 0.25), (320, 25.1, 0.2, -0.7), (390, 30.6, 0.2, 0.5), (470, 36.9, 0.25, -0.4),
+       (560, 39.1, 0.2, 0.6), (680, 47.5, 0.25, -0.5), (830, 57.9, 0.25, 0.45), (1010, 70.5, 0.25, -0.4), (1230, 85.9, 0.3, 0.35)]
+KNOTS = [1300, 1800, 2600, 3700, 5300]  # of the curve [Hz]
+USUAL = {**{f"constant_{s}": 0.8 for s in STRINGS}, **{f"quadratic_{s}": 6e-4 for s in STRINGS}, "plucked": 0.16, "low_mass": 1, "high_mass": 1,
+         "decay": 1, **{f"shape_{f}": abs(shape) for f, _, _, shape in LOW}, **{f"heard_{f}": 1 for f in [f for f, *_ in LOW] + KNOTS}}
+# Where a search ended that began at the usual ones.
+BEGIN = {**USUAL, "constant_e2": 0.527, "constant_a2": 0.239, "constant_d3": 0.596, "constant_g3": 0.272, "constant_b3": 1.83,
+         "constant_e4": 2.65, "quadratic_e2": 0.000263, "quadratic_a2": 0.000437, "quadratic_d3": 0.00039, "quadratic_g3": 0.000925,
+         "quadratic_b3": 0.000668, "quadratic_e4": 0.000254, "plucked": 0.184, "low_mass": 1.04, "high_mass": 1.57, "decay": 1.67,
+         "shape_170": 0.768, "shape_245": 0.14, "shape_320": 0.252, "shape_390": 0.595, "shape_470": 0.239, "shape_560": 0.688, "shape_680":
+         0.772, "shape_830": 0.301, "shape_1010": 0.469, "shape_1230": 0.737, "heard_170": 1.87, "heard_245": 4.23, "heard_320": 7.42,
+         "heard_390": 10.5, "heard_470": 4.36, "heard_560": 6.64, "heard_680": 4.57, "heard_830": 1.23, "heard_1010": 12, "heard_1230": 1.02,
+         "heard_1300": 2.8, "heard_1800": 1.47, "heard_2600": 7.34, "heard_3700": 0.857, "heard_5300": 3.63}
+RANGES = {"constant": (0.2, 4), "quadratic": (1e-5, 5e-3), "plucked": (0.08, 0.3), "low_mass": (0.4, 4), "high_mass": (0.3, 6), "decay": (0.5, 3),
+          "shape": (0.05, 3), "heard": (0.003, 300)}
+FAR = 4  # differences of partials beyond these decibels count by their size, not by its square
+PRIOR = 0.5  # how much a number counts that is e times the usual one
+HEADER = """\
+// Six nylon strings on a guitar's body, each plucked by a finger; they also sound with each other. A string runs over the saddle,
+// 0.648 m from its end, to the tie behind it. Masses are those of a usual set. Body after Christensen and Vistisen
+// (J. Acoust. Soc. Am. 68, 1980): the lowest mode of the top and the air in the sound hole are two masses
+// on the spring of the enclosed air, rho c^2 A^2/V, V = 14 l, A = 0.05 m^2 of the top. The mass of the air, rho S (0.0025 m + 1.7 a)
+// for a hole of a = 43 mm, counts times (A/S)^2, because its displacement here is that of a piston as large as the top. The higher
+// modes of the top stand for such bodies in general; from 1.3 kHz on there is one for each 90 Hz.
+// Written by bench/guitar/make.py, which says how: stiffness and losses of the strings, where they are plucked, masses, decays and
+// shapes of the modes, and how they are heard are fitted to recorded notes of FluidR3 GM (MIT) and of tonejs-instrument-guitar-nylon
+// (CC-BY 3.0).
+"""
+
+
+def modes():
+    """Frequency, decay, mass, shape at the saddle and sign outside of each mode."""
+    random = np.random.default_rng(1)
+    found = [(f, decay, mass, shape, 1 if shape > 0 else -1) for f, decay, mass, shape in LOW]
+    f = 1230
+    while f < 5200:
+        f += 90 * random.uniform(0.7, 1.3)
+        found.append((f, np.pi * f / random.uniform(30, 50), 0.2, random.choice([-1, 1]) * random.uniform(0.35, 0.75), random.choice([-1, 1])))
+    return found
+
+
+def heard(p, f):
+    """How strongly a mode sounds outside. The low ones have numbers of their own."""
+    if f"heard_{f}" in p:
+        return p[f"heard_{f}"]
+    return np.exp(np.interp(np.log(f), np.log(KNOTS), [np.log(p[f"heard_{k}"]) for k in KNOTS]))
+
+
+def number(x, digits=3):
+    x = rounded(x, digits)
+    return int(x) if x == int(x) else x
+
+
+def guitar(p, names=tuple(STRINGS)):
+    bodies, places, links, controls, keys = [], [], [], [], []
+    for s in names:
+        key, mass_per_m, max_modes, b = STRINGS[s]
+        f = 440 * 2 ** ((key - 69) / 12)
+        tension = mass_per_m * (2 * SADDLE * f) ** 2
+        bodies.append({"name": s, "string": {"length_m": LENGTH, "mass_kg": number(mass_per_m * LENGTH, 5), "tension_n": number(tension / (1 + b), 6),
+                                             "bending_stiffness_n_m2": number(b * tension * SADDLE ** 2 / np.pi ** 2),
+                                             "constant_loss_per_s": number(p[f"constant_{s}"]), "quadratic_loss_m2_per_s": number(p[f"quadratic_{s}"])},
+                       "max_modes": max_modes})
+        places += [{"name": f"{s}_plucked", "body": s, "position_m": number(SADDLE - p["plucked"])}, {"name": f"{s}_over_saddle", "body": s, "position_m": SADDLE}]
+        links.append({"name": f"{s}_bridge", "between": [f"{s}_over_saddle", "saddle"]})
+        controls.append({"name": f"finger_{s}", "force_n": f"{s}_plucked", "min": -20, "max": 20, "release_n": 4})
+    table = modes()
+    bodies.append({"name": "top", "modes": [{"frequency_hz": number(f, 5), "decay_per_s": number(decay * p["decay"]),
+                                             "mass_kg": number(mass * (1 if f == 170 else p["low_mass"] if f <= 1230 else p["high_mass"]))} for f, decay, mass, _, _ in table]})
+    bodies.append({"name": "air", "mass_kg": 0.03904})
+    places += [{"name": "saddle", "body": "top", "shapes": [number(np.sign(shape) * p.get(f"shape_{f}", abs(shape))) for f, _, _, shape, _ in table]},
+               {"name": "inwards", "body": "top", "shapes": [-1] + [0] * (len(table) - 1)},
+               {"name": "heard", "body": "top", "shapes": [number(sign * heard(p, f)) for f, _, _, _, sign in table]}]
+    springs = [{"name": "cavity", "between": ["inwards", "air"], "stiffness_n_per_m": 25210}, {"name": "hole", "between": ["air", "ground"], "resistance_n_s_per_m": 1.25}]
+    controls += [{"name": "cavity", "stiffness_n_per_m": "cavity", "max": 100000}, {"name": "hand", "damping_per_s": list(names), "max": 1000}]
+    lows = [STRINGS[s][0] for s in names]
+    for i, s in enumerate(names):
+        keys.append({"first": lows[i] - (2 if s == "e2" else 0), "last": lows[i + 1] - 1 if i + 1 < len(names) else lows[i] + 19,
+                     "event": f"pluck_finger_{s}", "tuned_key": lows[i], "string": s})
+    return {"name": "classical_guitar", "description": "six nylon strings on a guitar body", "bodies": bodies, "places": places,
+            "springs": springs, "links": links, "controls": controls,
+            "outputs": [{"name": "body", "velocity_m_per_s": ["heard", "air"], "full_scale": 0.9},
+                        {"name": "bridge", "force_n": [f"{s}_bridge" for s in names], "full_scale": 20}],
+            "input": {"force_n": "saddle", "full_scale": 10}, "keys": keys, "polyphony": 2,
+            "damper": {"bodies": list(names), "damping_per_s": 30}}
+
+
+def rendered(program, file, key, seconds=SECONDS):
+    """A note. file: a dict or a path."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = file
+        if isinstance(file, dict):
+            path = f"{folder}/guitar.json"
+            Path(path).write_text(text_of(file), encoding="utf-8")
+        score = {"instrument": os.path.abspath(path), "duration_s": seconds + 0.1, "events": [{"time_s": 0.05, "key": key}]}
+        Path(f"{folder}/score.json").write_text(json.dumps(score), encoding="utf-8")
+        subprocess.run([program, "render", f"{folder}/score.json", "--no-figure", "-o", f"{folder}/note.wav"], check=True, capture_output=True)
+        return read(f"{folder}/note.wav")
+
+
+class Note:
+    def __init__(self, sound, key):
+        sound = from_onset(sound)
+        spectrum = np.abs(np.fft.rfft(sound[:int(0.6 * RATE)], RATE)) ** 2
+        f = np.fft.rfftfreq(RATE, 1 / RATE)
+        self.loudness = 10 * np.log10((spectrum * 10 ** (a_weighting(f) / 10)).sum())
+        self.power = mel(sound, min(SECONDS, len(sound) / RATE), TOP)
+        self.mel = 10 * np.log10(self.power + 1e-30)
+        n = 1 << 15
+        part = sound[int(0.03 * RATE):int(0.03 * RATE) + n]
+        power, f = np.abs(np.fft.rfft(part * np.blackman(len(part)), n)) ** 2, np.fft.rfftfreq(n, 1 / RATE)
+        b = {of[0]: of[3] for of in STRINGS.values()}[key]
+        f0 = 440 * 2 ** ((key - 69) / 12)
+        self.levels, self.sound, self.at = [], sound, []
+        for k in range(1, 21):
+            at = k * f0 * np.sqrt(1 + b * k * k)
+            near = (f > at - 0.15 * f0 - 0.01 * at) & (f < at + 0.15 * f0 + 0.01 * at)
+            self.at.append(f[near][np.argmax(power[near])])
+            self.levels.append(10 * np.log10(power[near].max() + 1e-30))
+        self.levels, self.width = np.array(self.levels), min(0.5 * f0, 60)
+
+    def differences(self, other):
+        """Of log-mel spectrograms, by window and band; other is the recording [dB]."""
+        n, floor = min(len(self.mel), len(other.mel)), other.mel.max() - 60
+        ours = self.mel[:n] - self.loudness + other.loudness
+        return np.maximum(ours, floor) - np.maximum(other.mel[:n], floor)
+
+    def levels_apart(self, other):
+        """Of partials that the recording has within 50 dB, less their median [dB]."""
+        d = (self.levels - other.levels)[other.levels > other.levels.max() - 50]
+        return d - np.median(d)
+
+    @cached_property
+    def decays(self):
+        """Of the partials, 40 to 500 ms after the onset [dB/s]."""
+        sound = self.sound[:int(0.56 * RATE)]
+        found, t = [], np.arange(len(sound)) / RATE
+        half = int(RATE / self.width)
+        window = np.hanning(2 * half + 1)
+        for f in self.at:
+            level = 20 * np.log10(np.abs(fftconvolve(sound * np.exp(-2j * np.pi * f * t), window / window.sum(), "same")[::441]) + 1e-30)
+            found.append(-100 * np.polyfit(np.arange(4, 50), level[4:50], 1)[0])
+        return np.array(found)
+
+
+def notes_of(folder):
+    return {(source, int(key)): Note(sound, int(key)) for (source, key), sound in recorded(folder).items()}
+
+
+def residuals(ours, theirs):
+    """Of a note."""
+    n = min(len(ours.mel), len(theirs.mel)) // 4 * 4
+    floor = theirs.mel.max() - 60
+    mean = [10 * np.log10(np.maximum(of.power[:n].reshape(n // 4, 4, -1).mean(1), 1e-30)) for of in (ours, theirs)]
+    d = np.maximum(mean[0] - ours.loudness + theirs.loudness, floor) - np.maximum(mean[1], floor)
+    levels = np.zeros(20)
+    is_heard = theirs.levels > theirs.levels.max() - 50
+    levels[is_heard] = ours.levels_apart(theirs)
+    levels = np.sign(levels) * FAR * np.sqrt(2 * np.sqrt(1 + (levels / FAR) ** 2) - 2)
+    ratios = np.log2(np.maximum(ours.decays, 3) / np.maximum(theirs.decays, 3))
+    ratios = np.where(is_heard & np.isfinite(ratios), np.clip(ratios, -2, 2), 0)
+    return np.concatenate([d.ravel() / np.sqrt(d.size), LEVELS * levels / np.sqrt(20), DECAYS * ratios / np.sqrt(20)])
+
+
+def fit(program, folder, path):
+    theirs = notes_of(folder)
+    names = list(BEGIN)
+    ranges = np.log([RANGES[name if name in RANGES else name.rsplit("_", 1)[0]] for name in names])
+    keys = {of[0]: s for s, of in STRINGS.items()}
+    usual = np.log([USUAL[name] for name in names])
+
+    def numbers(x):
+        return dict(zip(names, np.exp(x)))
+
+    def of_key(job):
+        x, key = job
+        return Note(rendered(program, guitar(numbers(x), (keys[key],)), key), key)
+
+    def all_at(places):
+        jobs = [(x, key) for x in places for key in keys]
+        with ThreadPoolExecutor(2) as pool:
+            ours = list(pool.map(of_key, jobs))
+        found = []
+        for i in range(len(places)):
+            here = dict(zip(keys, ours[i * len(keys):(i + 1) * len(keys)]))
+            near = PRIOR * (places[i] - usual)
+            found.append(np.concatenate([residuals(here[key], note) for (_, key), note in theirs.items()] + [near]))
+        return found
+
+    def slopes(x):
+        step = 0.05
+        here, *beside = all_at([x] + [x + step * np.eye(len(x))[i] for i in range(len(x))])
+        print(f"{np.sum(here ** 2):.3f}", {name: rounded(value, 3) for name, value in numbers(x).items()}, flush=True)
+        return np.array([(there - here) / step for there in beside]).T
+
+    begin = np.log([BEGIN[name] for name in names])
+    best = least_squares(lambda x: all_at([x])[0], np.clip(begin, ranges[:, 0] + 1e-6, ranges[:, 1] - 1e-6), slopes, bounds=(ranges[:, 0], ranges[:, 1]),
+                         max_nfev=12, ftol=1e-3)
+    Path(path).write_text(HEADER + text_of(guitar(numbers(best.x))), encoding="utf-8")
+
+
+def distance(program, path, *folders):
+    ours = {of[0]: Note(rendered(program, path, of[0]), of[0]) for of in STRINGS.values()}
+    for name, folder in zip(("fitted", "kept"), folders):
+        theirs = notes_of(folder)
+        for of in sorted({source for source, _ in theirs}):
+            pairs = [(ours[key], note) for (source, key), note in theirs.items() if source == of]
+            decays = [np.log2(np.maximum(a.decays, 0.5) / np.maximum(b.decays, 0.5)) for a, b in pairs]
+            print(f"{name}, {of}: log-mel {np.mean([np.abs(a.differences(b)).mean() for a, b in pairs]):.2f} dB, partials "
+                  f"{np.median(np.abs(np.concatenate([a.levels_apart(b) for a, b in pairs]))):.1f} dB, decays x {2 ** np.nanmedian(np.abs(np.concatenate(decays))):.2f}"
+                  f" ({2 ** np.nanmedian(np.concatenate(decays)):.2f})")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) == 5 and sys.argv[1] == "fit":
+        fit(*sys.argv[2:])
+    elif len(sys.argv) == 6 and sys.argv[1] == "distance":
+        distance(*sys.argv[2:])
+    else:
+        sys.exit(__doc__)
