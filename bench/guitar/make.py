@@ -1,22 +1,24 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Makes the file of the classical guitar, with parts that are fitted to recorded notes.
+"""Makes the files of the guitars, with parts that are fitted to recorded notes.
 
-    make.py fit PROGRAM RECORDINGS FILE
+    make.py fit PROGRAM classical_guitar|fret_guitar RECORDINGS FILE
     make.py distance PROGRAM FILE FITTED KEPT
 
 PROGRAM is contactspline. RECORDINGS, FITTED and KEPT hold SOURCE/KEY.wav, single notes of open strings at 44.1 kHz under their
-keys of MIDI. `fit` writes FILE. It searches by least squares from BEGIN: the losses of each string, where it is plucked, masses,
-decays and shapes of the body's modes, and how strongly they sound outside, above 1.3 kHz a curve over the frequency. What is
-made small are, for each note,
+keys of MIDI. `fit` writes FILE. It searches by least squares from where a search ended: losses, where the strings are plucked, of
+the classical guitar masses, decays and shapes of the body's modes and how strongly they sound outside, above 1.3 kHz a curve
+over the frequency; of the fret guitar where its magnet is, and how the modes of the amplifier sound. What is made small are,
+for each note,
 
-    differences of log-mel spectrograms: 48 bands from 60 Hz to 12 kHz, each note of the same A-weighted loudness, down to 60 dB below
+    differences of log-mel spectrograms: 48 bands from 60 Hz to 12 or 10 kHz, each note of the same A-weighted loudness, down to 60 dB below
         the recording's largest value, means over 46 ms
     differences of the levels of partials 1 to 20 over 0.7 s, less their median
     logarithms of the ratios of the decays of these partials from 40 to 500 ms
 
 Fitted: E2, A2, D3, G3, B3 and E4 of Nylon Guitar of FluidR3 GM (fluid-soundfont-gm, MIT) and of tonejs-instrument-guitar-nylon
-(npm; CC-BY 3.0). Kept: Nylon Guitar of freepats (GPL-2 with an exception for music).
+(npm; CC-BY 3.0); E2, D3, G3 and E4 of Clean Guitar of FluidR3 GM. Kept: Nylon Guitar and Clean Electric Guitar of freepats (GPL-2
+with an exception for music), A2 and B3 of Clean Guitar, tonejs-instrument-guitar-electric.
 
 `distance` prints medians over the notes: of log-mel spectrograms, of levels of partials and of the ratios of the decays of
 partials from 40 to 500 ms, for the recordings that were fitted and for those that were kept.
@@ -38,7 +40,6 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from notes import RATE, a_weighting, from_onset, mel, read, recorded, rounded, text_of
 
 LENGTH, SADDLE = 0.66, 0.648
-SECONDS, TOP = 1.8, 12000
 LEVELS, DECAYS = 1.5, 3.5  # how much a decibel of a partial and an octave of its decay count beside a decibel of the spectrograms
 # Of each string: key, mass [kg/m] of a usual set, modes, and the inharmonicity of its partials in the recordings that are fitted.
 STRINGS = {"e2": (40, 6.24e-3, 60, 2.8e-5), "a2": (45, 3.61e-3, 50, 1.67e-5), "d3": (50, 1.95e-3, 42, 1.32e-5),
@@ -60,7 +61,19 @@ BEGIN = {**USUAL, "constant_e2": 0.527, "constant_a2": 0.239, "constant_d3": 0.5
 RANGES = {"constant": (0.2, 4), "quadratic": (1e-5, 5e-3), "plucked": (0.08, 0.3), "low_mass": (0.4, 4), "high_mass": (0.3, 6), "decay": (0.5, 3),
           "shape": (0.05, 3), "heard": (0.003, 300)}
 FAR = 4  # differences of partials beyond these decibels count by their size, not by its square
-PRIOR = 0.5  # how much a number counts that is e times the usual one
+INHARMONICITY = {of[0]: of[3] for of in STRINGS.values()}  # where partials are looked for; those of the fret guitar are near enough
+CONE = [120, 250, 600, 1400, 2800, 5000]  # modes of the amplifier [Hz]
+FRET_USUAL = {"constant": 2, "quadratic": 3e-4, "plucked": 0.5, "magnet": 0.6, **{f"cone_{f}": 1 for f in CONE}}
+FRET_BEGIN = {"constant": 1.58, "quadratic": 4.77e-4, "plucked": 0.42, "magnet": 0.609, "cone_120": -1.043, "cone_250": -6.233,
+              "cone_600": 4.467, "cone_1400": -1.76, "cone_2800": 5.267, "cone_5000": -0.118}
+FRET_RANGES = {"constant": (0.5, 6), "quadratic": (2e-5, 2e-3), "plucked": (0.38, 0.61), "magnet": (0.47, 0.63), "cone": (-8, 8)}
+FRET_HEADER = """\
+// The D string of a guitar, 146.8 Hz, which buzzes on a stiff fret near its end, as in the score fret_buzz: the louder the note,
+// the longer it buzzes. Keys tune it by its tension. A magnet near the bridge moves the modes of an amplifier, which is so light that
+// the string does not feel it: pickup, filter and loudspeaker in one. Fitted to E2, D3, G3 and E4 of Clean Guitar of FluidR3 GM (MIT),
+// by least squares of differences of log-mel spectrograms, partials and decays: losses of the string, the places of
+// finger and magnet, and how each mode sounds.
+"""
 HEADER = """\
 // Six nylon strings on a guitar's body, each plucked by a finger; they also sound with each other. A string runs over the saddle,
 // 0.648 m from its end, to the tie behind it. Masses are those of a usual set. Body after Christensen and Vistisen
@@ -131,31 +144,65 @@ def guitar(p, names=tuple(STRINGS)):
             "damper": {"bodies": list(names), "damping_per_s": 30}}
 
 
-def rendered(program, file, key, seconds=SECONDS):
-    """A note. file: a dict or a path."""
+def fret_guitar(p, _=None):
+    modes = [{"frequency_hz": f, "decay_per_s": number(min(0.7 * np.pi * f, 4000), 4), "mass_kg": number(1e-5 * (120 / f) ** 2, 4)} for f in CONE]
+    return {"name": "fret_guitar", "description": "guitar string that buzzes on a fret",
+            "bodies": [{"name": "string", "string": {"length_m": 0.648, "mass_kg": 0.00243374, "tension_n": 136, "bending_stiffness_n_m2": 0.000251327,
+                                                     "constant_loss_per_s": number(p["constant"]), "quadratic_loss_m2_per_s": number(p["quadratic"])},
+                        "max_modes": 80},
+                       {"name": "amplifier", "modes": modes}],
+            "places": [{"name": "plucked", "body": "string", "position_m": number(p["plucked"])}, {"name": "over_fret", "body": "string", "position_m": 0.635},
+                       {"name": "over_magnet", "body": "string", "position_m": number(p["magnet"])},
+                       {"name": "coil", "body": "amplifier", "shapes": [1] * len(CONE)},
+                       {"name": "cone", "body": "amplifier", "shapes": [number(300 * p[f"cone_{f}"]) for f in CONE]}],
+            "contacts": [{"name": "fret", "between": ["over_fret", "ground"], "material": "steel_on_steel", "gap_m": 2e-05}],
+            "springs": [{"name": "magnet", "between": ["over_magnet", "coil"], "stiffness_n_per_m": 0.001}],
+            "controls": [{"name": "fret", "place_m": "over_fret", "min": 0.02, "max": 0.64},
+                         {"name": "finger", "force_n": "plucked", "min": -10, "max": 10, "release_n": 3},
+                         {"name": "fret", "gap_shift_m": "fret", "min": -2e-05, "max": 0.005},
+                         {"name": "fret", "loss_s_per_m": "fret", "initial": 0.3, "max": 2}],
+            "outputs": [{"name": "amplifier", "velocity_m_per_s": "cone", "full_scale": 3}, {"name": "string", "end_force_n": "string", "full_scale": 10},
+                        {"name": "fret", "force_n": "fret", "full_scale": 20}],
+            "keys": [{"first": 38, "last": 74, "event": "pluck_finger", "tuned_key": 50}], "polyphony": 4,
+            "damper": {"bodies": ["string"], "damping_per_s": 30},
+            "presets": [{"name": "buzz"}, {"name": "close fret", "fret_gap_shift_m": -1.5e-05},
+                        {"name": "fret in the middle", "fret_place_m": 0.324, "fret_gap_shift_m": 0.0003}, {"name": "no fret", "fret_gap_shift_m": 0.005}]}
+
+
+# Of each: what makes its file, from numbers and names of strings; those strings by key; numbers that are usual, and where a search
+# ended that began there; their ranges; seconds and frequencies that are compared; how much a distance from the usual number counts.
+GUITARS = {
+    "classical_guitar": {"of": guitar, "strings": {of[0]: (name,) for name, of in STRINGS.items()}, "usual": USUAL, "begin": BEGIN, "ranges": RANGES,
+                         "about": HEADER, "events": [], "seconds": 1.8, "top": 12000, "prior": 0.5},
+    "fret_guitar": {"of": fret_guitar, "strings": {key: () for key in (40, 50, 55, 64)}, "usual": FRET_USUAL, "begin": FRET_BEGIN, "ranges": FRET_RANGES,
+                    "about": FRET_HEADER, "events": [{"time_s": 0, "fret_gap_shift_m": 0.005}], "seconds": 1.2, "top": 10000, "prior": 0.05}}
+
+
+def rendered(program, guitar, file, key):
+    """A note. guitar: of GUITARS; file: a dict or a path."""
     with tempfile.TemporaryDirectory() as folder:
         path = file
         if isinstance(file, dict):
             path = f"{folder}/guitar.json"
             Path(path).write_text(text_of(file), encoding="utf-8")
-        score = {"instrument": os.path.abspath(path), "duration_s": seconds + 0.1, "events": [{"time_s": 0.05, "key": key}]}
+        score = {"instrument": os.path.abspath(path), "duration_s": guitar["seconds"] + 0.1, "events": [*guitar["events"], {"time_s": 0.05, "key": key}]}
         Path(f"{folder}/score.json").write_text(json.dumps(score), encoding="utf-8")
         subprocess.run([program, "render", f"{folder}/score.json", "--no-figure", "-o", f"{folder}/note.wav"], check=True, capture_output=True)
         return read(f"{folder}/note.wav")
 
 
 class Note:
-    def __init__(self, sound, key):
+    def __init__(self, sound, key, guitar):
         sound = from_onset(sound)
         spectrum = np.abs(np.fft.rfft(sound[:int(0.6 * RATE)], RATE)) ** 2
         f = np.fft.rfftfreq(RATE, 1 / RATE)
         self.loudness = 10 * np.log10((spectrum * 10 ** (a_weighting(f) / 10)).sum())
-        self.power = mel(sound, min(SECONDS, len(sound) / RATE), TOP)
+        self.power = mel(sound, min(guitar["seconds"], len(sound) / RATE), guitar["top"])
         self.mel = 10 * np.log10(self.power + 1e-30)
         n = 1 << 15
         part = sound[int(0.03 * RATE):int(0.03 * RATE) + n]
         power, f = np.abs(np.fft.rfft(part * np.blackman(len(part)), n)) ** 2, np.fft.rfftfreq(n, 1 / RATE)
-        b = {of[0]: of[3] for of in STRINGS.values()}[key]
+        b = INHARMONICITY[key]
         f0 = 440 * 2 ** ((key - 69) / 12)
         self.levels, self.sound, self.at = [], sound, []
         for k in range(1, 21):
@@ -189,8 +236,8 @@ class Note:
         return np.array(found)
 
 
-def notes_of(folder):
-    return {(source, int(key)): Note(sound, int(key)) for (source, key), sound in recorded(folder).items()}
+def notes_of(folder, guitar):
+    return {(source, int(key)): Note(sound, int(key), guitar) for (source, key), sound in recorded(folder).items()}
 
 
 def residuals(ours, theirs):
@@ -208,57 +255,58 @@ def residuals(ours, theirs):
     return np.concatenate([d.ravel() / np.sqrt(d.size), LEVELS * levels / np.sqrt(20), DECAYS * ratios / np.sqrt(20)])
 
 
-def fit(program, folder, path):
-    theirs = notes_of(folder)
-    names = list(BEGIN)
-    ranges = np.log([RANGES[name if name in RANGES else name.rsplit("_", 1)[0]] for name in names])
-    keys = {of[0]: s for s, of in STRINGS.items()}
-    usual = np.log([USUAL[name] for name in names])
+def fit(program, kind, folder, path):
+    of = GUITARS[kind]
+    theirs = {at: note for at, note in notes_of(folder, of).items() if at[1] in of["strings"]}
+    names = list(of["begin"])
+    ranges = np.array([of["ranges"][name if name in of["ranges"] else name.rsplit("_", 1)[0]] for name in names], float)
+    is_ratio = ranges[:, 0] > 0  # searched by ratios
+    place = lambda numbers: np.where(is_ratio, np.log(np.where(is_ratio, numbers, 1)), numbers)
+    usual, begin = (place([of[at][name] for name in names]) for at in ("usual", "begin"))
+    low, high = place(ranges[:, 0]), place(ranges[:, 1])
+    steps = np.where(is_ratio, np.minimum(0.05, (high - low) / 50), 0.1)
 
     def numbers(x):
-        return dict(zip(names, np.exp(x)))
+        return dict(zip(names, np.where(is_ratio, np.exp(np.where(is_ratio, x, 0)), x)))
 
     def of_key(job):
         x, key = job
-        return Note(rendered(program, guitar(numbers(x), (keys[key],)), key), key)
+        return Note(rendered(program, of, of["of"](numbers(x), of["strings"][key]), key), key, of)
 
     def all_at(places):
-        jobs = [(x, key) for x in places for key in keys]
         with ThreadPoolExecutor(2) as pool:
-            ours = list(pool.map(of_key, jobs))
+            ours = list(pool.map(of_key, [(x, key) for x in places for key in of["strings"]]))
         found = []
-        for i in range(len(places)):
-            here = dict(zip(keys, ours[i * len(keys):(i + 1) * len(keys)]))
-            near = PRIOR * (places[i] - usual)
-            found.append(np.concatenate([residuals(here[key], note) for (_, key), note in theirs.items()] + [near]))
+        for i, x in enumerate(places):
+            here = dict(zip(of["strings"], ours[i * len(of["strings"]):]))
+            found.append(np.concatenate([residuals(here[key], note) for (_, key), note in theirs.items()] + [of["prior"] * (x - usual)]))
         return found
 
     def slopes(x):
-        step = 0.05
-        here, *beside = all_at([x] + [x + step * np.eye(len(x))[i] for i in range(len(x))])
+        signed = np.where(x + steps > high, -steps, steps)
+        here, *beside = all_at([x] + list(x + np.diag(signed)))
         print(f"{np.sum(here ** 2):.3f}", {name: rounded(value, 3) for name, value in numbers(x).items()}, flush=True)
-        return np.array([(there - here) / step for there in beside]).T
+        return np.array([(there - here) / step for there, step in zip(beside, signed)]).T
 
-    begin = np.log([BEGIN[name] for name in names])
-    best = least_squares(lambda x: all_at([x])[0], np.clip(begin, ranges[:, 0] + 1e-6, ranges[:, 1] - 1e-6), slopes, bounds=(ranges[:, 0], ranges[:, 1]),
-                         max_nfev=12, ftol=1e-3)
-    Path(path).write_text(HEADER + text_of(guitar(numbers(best.x))), encoding="utf-8")
+    best = least_squares(lambda x: all_at([x])[0], np.clip(begin, low + 1e-6, high - 1e-6), slopes, bounds=(low, high), x_scale=steps, max_nfev=12, ftol=1e-3)
+    Path(path).write_text(of["about"] + text_of(of["of"](numbers(best.x), sum(of["strings"].values(), ()))), encoding="utf-8")
 
 
 def distance(program, path, *folders):
-    ours = {of[0]: Note(rendered(program, path, of[0]), of[0]) for of in STRINGS.values()}
+    of = GUITARS[json.loads("\n".join(line for line in Path(path).read_text(encoding="utf-8").splitlines() if not line.startswith("//")))["name"]]
+    ours = {key: Note(rendered(program, of, path, key), key, of) for key in INHARMONICITY}
     for name, folder in zip(("fitted", "kept"), folders):
-        theirs = notes_of(folder)
-        for of in sorted({source for source, _ in theirs}):
-            pairs = [(ours[key], note) for (source, key), note in theirs.items() if source == of]
+        theirs = notes_of(folder, of)
+        for source in sorted({source for source, _ in theirs}):
+            pairs = [(ours[key], note) for (at, key), note in theirs.items() if at == source]
             decays = [np.log2(np.maximum(a.decays, 0.5) / np.maximum(b.decays, 0.5)) for a, b in pairs]
-            print(f"{name}, {of}: log-mel {np.mean([np.abs(a.differences(b)).mean() for a, b in pairs]):.2f} dB, partials "
+            print(f"{name}, {source}: log-mel {np.mean([np.abs(a.differences(b)).mean() for a, b in pairs]):.2f} dB, partials "
                   f"{np.median(np.abs(np.concatenate([a.levels_apart(b) for a, b in pairs]))):.1f} dB, decays x {2 ** np.nanmedian(np.abs(np.concatenate(decays))):.2f}"
                   f" ({2 ** np.nanmedian(np.concatenate(decays)):.2f})")
 
 
 if __name__ == "__main__":
-    if len(sys.argv) == 5 and sys.argv[1] == "fit":
+    if len(sys.argv) == 6 and sys.argv[1] == "fit" and sys.argv[3] in GUITARS:
         fit(*sys.argv[2:])
     elif len(sys.argv) == 6 and sys.argv[1] == "distance":
         distance(*sys.argv[2:])
