@@ -40,12 +40,15 @@ class ListeningProblem {
 
   ListeningProblem(const RecordedInstrument& recorded, const NoteRenderer& renderer, std::vector<std::size_t> notes,
                    std::vector<NoteImpression> impressions)
-      : recorded_(recorded), renderer_(renderer), notes_(std::move(notes)), impressions_(std::move(impressions)) {}
+      : matched{std::move(impressions), recorded.has_common_gain},
+        recorded_(recorded),
+        renderer_(renderer),
+        notes_(std::move(notes)) {}
 
-  ResidualScales scales;
+  NotesToMatch matched;
 
   // NOLINTBEGIN(readability-identifier-naming): names that Ceres asks for
-  [[nodiscard]] int NumResiduals() const { return static_cast<int>(count_residuals(impressions_)); }
+  [[nodiscard]] int NumResiduals() const { return static_cast<int>(count_residuals(matched)); }
   [[nodiscard]] int NumParameters() const { return static_cast<int>(recorded_.open.size()); }
   // NOLINTEND(readability-identifier-naming)
 
@@ -70,7 +73,7 @@ class ListeningProblem {
     std::vector<std::optional<Residuals>> all;
     for (const RenderedNotes& rendered : renderer_.render(points, notes_)) {
       all.emplace_back();
-      if (rendered) all.back() = residuals_of(impressions_, *rendered, recorded_.has_common_gain, scales);
+      if (rendered) all.back() = residuals_of(matched, *rendered);
     }
     return all;
   }
@@ -145,7 +148,6 @@ class ListeningProblem {
   const RecordedInstrument& recorded_;
   const NoteRenderer& renderer_;
   std::vector<std::size_t> notes_;
-  std::vector<NoteImpression> impressions_;
 };
 
 // The radical inverse: numbers of this base fill 0 to 1 evenly (J. H. Halton, Numerische Mathematik 2, 1960).
@@ -347,11 +349,11 @@ double median_of(std::vector<double> values) {
 // Of each note; a common one is that of the fitted notes.
 std::vector<double> shown_gains(const std::vector<NoteImpression>& recorded,
                                 const std::vector<NoteImpression>& rendered, const RecordedInstrument& fit) {
-  if (!fit.has_common_gain) return gains_of(recorded, rendered, false);
+  if (!fit.has_common_gain) return gains_of({recorded}, rendered);
   std::vector<NoteImpression> theirs, ours;
   for (std::size_t n = 0; n < recorded.size(); ++n)
     if (!fit.notes[n].is_kept) theirs.push_back(recorded[n]), ours.push_back(rendered[n]);
-  return std::vector<double>(recorded.size(), gains_of(theirs, ours, true).front());
+  return std::vector<double>(recorded.size(), gains_of({theirs, true}, ours).front());
 }
 
 // The rendered notes get their gain.
@@ -360,8 +362,9 @@ std::vector<NoteDistance> distances_of(const std::vector<NoteImpression>& record
   const std::vector<double> gains = shown_gains(recorded, rendered, fit);
   std::vector<NoteDistance> distances;
   for (std::size_t n = 0; n < recorded.size(); ++n) {
-    distances.push_back({distance_db(recorded[n], rendered[n], gains[n]),
-                         median_of(compare(recorded[n], rendered[n], gains[n]).cents)});
+    const LevelDistance levels = level_distance(recorded[n], rendered[n], gains[n]);
+    distances.push_back(
+        {levels.all_db, levels.noise_db, median_of(compare(recorded[n], rendered[n], gains[n]).cents)});
     for (double& power : rendered[n].power) power *= std::pow(10, gains[n] / 10);
   }
   return distances;
@@ -371,7 +374,7 @@ std::vector<NoteImpression> recorded_impressions(const RecordedInstrument& recor
   constexpr double kDepth_db = 40;
   constexpr std::size_t kMaxPartials = 10;
   std::vector<NoteImpression> impressions;
-  for (const RecordedKey& note : recorded.notes) {
+  for (const RecordedNote& note : recorded.notes) {
     impressions.push_back(impression_of(note.recording.samples, note.recording.sample_rate_hz, recorded.seconds,
                                         kDepth_db, kMaxPartials));
     if (impressions.back().power.empty())
@@ -398,7 +401,7 @@ void require_pitch(const RecordedInstrument& recorded, const std::vector<FittedN
 
 InstrumentFit fit_instrument(const RecordedInstrument& recorded, const ReadFile& read,
                              const std::function<void(const std::string&)>& tell) {
-  constexpr double kNear_cents = 40, kNear_db = 4;
+  constexpr double kNear_cents = 40, kNear = 4;
   const std::vector<NoteImpression> impressions = recorded_impressions(recorded);
   const NoteRenderer renderer(recorded, read);
   std::vector<std::size_t> all(impressions.size()), fitted;
@@ -412,13 +415,13 @@ InstrumentFit fit_instrument(const RecordedInstrument& recorded, const ReadFile&
   tell("trying numbers all over their bounds");
   Eigen::VectorXd at = find_place(recorded, problem);
   tell("searching");
-  problem.scales.far_cents = kNear_cents;
+  problem.matched.scales.far_cents = kNear_cents;
   at = find_lower(problem, problem.search(at, kManySteps));
-  problem.scales.far_db = kNear_db;
-  at = problem.search(at, kManySteps);
-  problem.scales =
-      scales_of(heard, renderer.render_one(problem.numbers_at(at), fitted), recorded.has_common_gain, problem.scales);
-  at = problem.search(at, kManySteps);
+  for (int time = 0; time < 2; ++time) {
+    set_scales(problem.matched, renderer.render_one(problem.numbers_at(at), fitted));
+    problem.matched.scales.far_levels = kNear;
+    at = problem.search(at, kManySteps);
+  }
   std::vector<NoteImpression> found = renderer.render_one(problem.numbers_at(at), all);
   const auto after = distances_of(impressions, found, recorded);
   InstrumentFit fit;

@@ -21,6 +21,7 @@ struct FoundNumber {
 /// How far a recording is from what is rendered.
 struct NoteDistance {
   double level_db;  ///< mean of the absolute differences of level
+  double noise_db;  ///< what noise alone leaves of them
   double cents;     ///< median of those of the partials; 0 where the recording has none
 };
 

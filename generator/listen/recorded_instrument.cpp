@@ -25,7 +25,7 @@ bool read_is_kept(const JsonObject& entry) {
 }
 
 // Stated, between bounds, or unknown.
-void read_velocity(const JsonObject& entry, RecordedKey& note, std::vector<OpenNumber>& open) {
+void read_velocity(const JsonObject& entry, RecordedNote& note, std::vector<OpenNumber>& open) {
   const std::string key = entry.key("velocity");
   const bool is_open = entry.has_object("velocity");
   if (entry.has("velocity") && !is_open) {
@@ -46,7 +46,7 @@ void read_recordings(const JsonObject& fit, const std::vector<JsonObject>& entri
                      RecordedInstrument& recorded) {
   for (const JsonObject& entry : entries) {
     const std::string path = entry.text("file", "a sound file of one or two channels, relative to the fit file");
-    RecordedKey note{path, entry.integer("key", 0, 127), 0, {}, read_is_kept(entry), {}};
+    RecordedNote note{path, entry.integer("key", 0, 127), 0, {}, read_is_kept(entry), {}};
     read_velocity(entry, note, recorded.open);
     note.recording = read_recording(read_for_key(fit.file(), entry.key("file"), path, read), path, 2);
     require_sounding(note.recording, path);
@@ -55,7 +55,7 @@ void read_recordings(const JsonObject& fit, const std::vector<JsonObject>& entri
     recorded.files.push_back(path);
     recorded.notes.push_back(std::move(note));
   }
-  if (std::ranges::all_of(recorded.notes, &RecordedKey::is_kept))
+  if (std::ranges::all_of(recorded.notes, &RecordedNote::is_kept))
     fit.fail("recordings", "all are kept", "one or more that are not");
 }
 
