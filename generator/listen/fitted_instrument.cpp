@@ -54,11 +54,13 @@ std::string report_of(const InstrumentFit& fit, const RecordedInstrument& record
                         shown(recorded.notes[n].file), recorded.notes[n].is_kept ? "kept" : "fitted", before.level_db,
                         after.level_db, after.noise_db, before.cents, after.cents);
   }
+  for (const std::string& doubt : fit.doubts) text += "  " + doubt + "\n";
   return text;
 }
 
 std::string json_of(const InstrumentFit& fit, const RecordedInstrument& recorded) {
-  std::vector<std::string> numbers, notes;
+  std::vector<std::string> numbers, notes, doubts;
+  for (const std::string& doubt : fit.doubts) doubts.push_back(json_string(doubt));
   for (std::size_t i = 0; i < fit.numbers.size(); ++i)
     numbers.push_back(fmt::format(R"(    {}: {{ "value": {}, "low": {}, "high": {}, "at_bound": {}, "told": {} }})",
                                   json_string(recorded.open[i].key), fit.numbers[i].value, fit.numbers[i].low,
@@ -67,8 +69,8 @@ std::string json_of(const InstrumentFit& fit, const RecordedInstrument& recorded
     notes.push_back(fmt::format(R"(    {{ "file": {}, "kept": {}, "before": {}, "after": {} }})",
                                 json_string(recorded.notes[n].file), recorded.notes[n].is_kept,
                                 json_of(fit.notes[n].before), json_of(fit.notes[n].after)));
-  return fmt::format("{{\n  \"estimates\": {{\n{}\n  }},\n  \"recordings\": [\n{}\n  ]\n}}\n",
-                     fmt::join(numbers, ",\n"), fmt::join(notes, ",\n"));
+  return fmt::format("{{\n  \"estimates\": {{\n{}\n  }},\n  \"recordings\": [\n{}\n  ],\n  \"doubts\": [{}]\n}}\n",
+                     fmt::join(numbers, ",\n"), fmt::join(notes, ",\n"), fmt::join(doubts, ", "));
 }
 
 std::string instrument_text(const InstrumentFit& fit, const RecordedInstrument& recorded, std::string_view mark) {

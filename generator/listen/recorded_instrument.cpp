@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "generator/listen/note_doubts.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/json_syntax.hpp"
 
@@ -49,14 +50,18 @@ void read_recordings(const JsonObject& fit, const std::vector<JsonObject>& entri
     RecordedNote note{path, entry.integer("key", 0, 127), 0, {}, read_is_kept(entry), {}};
     read_velocity(entry, note, recorded.open);
     note.recording = read_recording(read_for_key(fit.file(), entry.key("file"), path, read), path, 2);
-    require_sounding(note.recording, path);
     if (const double rate_hz = note.recording.sample_rate_hz; rate_hz < kMinRate_hz)
       refuse(path, "sample_rate_hz", fmt::format("is {:g}", rate_hz), fmt::format("{:g} or more", kMinRate_hz));
+    require_one_sound(note.recording, path);
     recorded.files.push_back(path);
     recorded.notes.push_back(std::move(note));
   }
   if (std::ranges::all_of(recorded.notes, &RecordedNote::is_kept))
     fit.fail("recordings", "all are kept", "one or more that are not");
+  const auto is_stated = [](const RecordedNote& note) { return !note.is_kept && !note.open_velocity; };
+  if (std::ranges::none_of(recorded.notes, is_stated))
+    fit.fail("recordings", "no fitted one states its velocity, for which gain and contact may stand as well",
+             "one or more that do, such as \"velocity\": 0.5");
 }
 
 }  // namespace

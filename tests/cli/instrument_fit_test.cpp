@@ -129,8 +129,21 @@ std::vector<Bad> bad_fits() {
       {"silent", of_file("silent.wav"), "silent.wav: samples: the recording is silent", "a struck note"},
       {"clipped", of_file("clipped.wav"), "clipped.wav: samples: ", "below full scale"},
       {"short", of_file("short.wav"), "short.wav: samples: end less than 0.05 s", "0.1 s or more"},
-      {"wrong_pitch", of_file("sine.wav"), "sine.wav: samples: the strongest partial, of 1234 Hz, is ",
-       "wider bounds"},
+      {"wrong_pitch", of_file("sine.wav"),
+       "sine.wav: samples: the strong partials begin at 1234 Hz, those of key 69 ", "wider bounds"},
+      {"click_before", of_file("click.wav"), "click.wav: samples: something sounds 0.21 s before the note",
+       "without what is before it"},
+      {"constant", of_file("constant.wav"), "constant.wav: samples: the recording is silent", "a struck note"},
+      {"no_velocity", fit_of(R"("file": "sine.wav", "key": 69)"),
+       fit + "recordings: no fitted one states its velocity", "0.5"},
+      {"no_bounds", fit_of(good), stiffness + "fit: is not two numbers", "[1, 2]", with_stiffness(R"({ "fit": 1 })")},
+      {"three_bounds", fit_of(good), stiffness + "fit: has 3 entries", "[1, 2]",
+       with_stiffness(R"({ "fit": [1, 2, 3] })")},
+      {"huge_bounds", fit_of(good), stiffness + "fit[0]: -1e+300 is out of range", "1e+100",
+       with_stiffness(R"({ "fit": [-1e300, 1e300] })")},
+      {"fit_is_not_first", fit_of(good), stiffness + "note: unknown key", "fit, start",
+       with_stiffness(R"({ "note": "mine", "fit": [0.02, 0.05] })")},
+      {"start_alone", fit_of(good), stiffness, "number", with_stiffness(R"({ "start": 0.03 })")},
       {"unknown_key", fit_of(good, R"(, "rate": 1)"), fit + "rate: unknown key", "seconds"},
       {"unknown_key_of_a_note", fit_of(good + R"(, "pitch": 440)"), fit + "recordings[0].pitch: unknown key",
        "velocity"},
@@ -182,6 +195,11 @@ TEST_P(BadFitOfAnInstrument, IsRefusedInOneLineAndNothingIsWritten) {
   }
   write_sound(box / "sine.wav", sine, kRate);
   write_sound(box / "clipped.wav", clipped, kRate);
+  std::vector<double> click(sine.size() / 2);
+  click[click.size() - static_cast<std::size_t>(0.2 * kRate)] = 0.5;
+  click.insert(click.end(), sine.begin(), sine.end());
+  write_sound(box / "click.wav", click, kRate);
+  write_sound(box / "constant.wav", std::vector<double>(sine.size(), 0.25), kRate);
   write_sound(box / "three.wav", sine, kRate, 3);
   write_sound(box / "slow.wav", sine, 100);
   write_sound(box / "silent.wav", std::vector<double>(sine.size()), kRate);

@@ -95,8 +95,10 @@ inline void record(const Sandbox& box, const Known& known, const std::string& mo
         {.arguments = {"render", "score.json", "--no-figure", "--rate", fmt::format("{}", kRate), "-o", "dry.wav"},
          .folder = box.path()}));
     const std::string name = fmt::format("note_{}.wav", n);
-    write_sound(box / name, in_a_room(read_sound(box / "dry.wav").samples, kRate, known.noise, known.seed + static_cast<unsigned>(n)),
-                kRate, static_cast<int>(1 + n % 2));
+    write_sound(
+        box / name,
+        in_a_room(read_sound(box / "dry.wav").samples, kRate, known.noise, known.seed + static_cast<unsigned>(n)),
+        kRate, static_cast<int>(1 + n % 2));
     recordings += fmt::format(R"({}{{ "file": "{}", "key": {}, "velocity": {}, "kept": {} }})", n > 0 ? ", " : "",
                               name, key, velocity, is_kept);
   }
