@@ -12,7 +12,7 @@
 #include "generator/fit/fit.hpp"
 #include "generator/instrument/instrument.hpp"
 #include "generator/listen/instrument_fit.hpp"
-#include "generator/material/rubbing.hpp"
+#include "generator/material/friction_reader.hpp"
 #include "generator/player/score_player.hpp"
 #include "generator/resonator/resonator.hpp"
 #include "generator/spline/design.hpp"

@@ -12,7 +12,7 @@
 
 #include "generator/emit/emitter.hpp"
 #include "generator/instrument/instrument.hpp"
-#include "generator/material/rubbing.hpp"
+#include "generator/material/friction_reader.hpp"
 #include "generator/player/score.hpp"
 #include "generator/player/tuning.hpp"
 #include "generator/resonator/keyboard.hpp"

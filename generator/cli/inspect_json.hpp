@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "generator/material/rubbing.hpp"
+#include "generator/material/friction_reader.hpp"
 #include "generator/resonator/keyboard.hpp"
 #include "generator/resonator/resonator.hpp"
 #include "generator/spline/design.hpp"

@@ -5,8 +5,8 @@
 #include <map>
 #include <utility>
 
+#include "generator/material/friction_reader.hpp"
 #include "generator/material/named_file.hpp"
-#include "generator/material/rubbing.hpp"
 
 namespace contactspline {
 namespace {

@@ -11,7 +11,7 @@
 #include "cases.hpp"
 #include "contactspline/data/friction_materials.hpp"
 #include "generator/instrument/instrument_reader.hpp"
-#include "generator/material/rubbing.hpp"
+#include "generator/material/friction_reader.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "printed_text.hpp"
 #include "program.hpp"

@@ -21,7 +21,7 @@
 #include "generator/emit/emit_resonator.hpp"
 #include "generator/emit/emitter.hpp"
 #include "generator/instrument/instrument_reader.hpp"
-#include "generator/material/rubbing.hpp"
+#include "generator/material/friction_reader.hpp"
 #include "generator/player/midi_reader.hpp"
 #include "generator/player/score_player.hpp"
 #include "generator/player/score_reader.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "generator/material/rubbing.hpp"
+#include "generator/material/friction_reader.hpp"
 
 #include <cmath>
 #include <limits>
