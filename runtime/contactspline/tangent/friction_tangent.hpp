@@ -154,9 +154,11 @@ template <std::floating_point T, std::size_t P>
 [[nodiscard]] typename FrictionSample<T, P>::Numbers with_slopes(
     const FrictionNumbers<T>& material, const std::array<FrictionNumbers<T>, P>& directions) {
   typename FrictionSample<T, P>::Numbers numbers;
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    numbers[i].value = material.values()[i];
-    for (std::size_t p = 0; p < P; ++p) numbers[i].slopes[p] = directions[p].values()[i];
+  const auto values = material.values();
+  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i].value = values[i];
+  for (std::size_t p = 0; p < P; ++p) {
+    const auto direction = directions[p].values();
+    for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i].slopes[p] = direction[i];
   }
   return numbers;
 }

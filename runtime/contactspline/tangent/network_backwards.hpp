@@ -56,7 +56,9 @@ class NetworkBackwards {
     }
     gradient_.motions.resize(record.motions.size());
     gradient_.pushes.resize(record.pushes.size());
-    frictions_.resize(plan.connections().size());
+    friction_of_.resize(plan.connections().size());
+    for (std::size_t k = 0; k < plan.connections().size(); ++k)
+      if (plan.connections()[k].friction) friction_of_[k] = frictions_.size(), frictions_.emplace_back();
     calls_ = record.rubbing_calls.size();
     gradient_.moves.resize(record.calls_follow.size());
     gradient_.starts.resize(plan.places().size());
@@ -97,7 +99,7 @@ class NetworkBackwards {
     const T *change = replay_.change(row), *displacement = replay_.displacement(row);
     const std::span<const Acting> acting = record_.in_sample(record_.acting, &Ends::acting, n);
     for (const auto& rubbing : record_.in_sample(record_.rubbing, &Ends::rubbing, n))
-      frictions_[rubbing.connection].linearise(plan_.connections()[rubbing.connection], rate_, rubbing);
+      friction(rubbing.connection).linearise(plan_.connections()[rubbing.connection], rate_, rubbing);
     places_.list(record_, n);
     movers_.enter(n);
     for (std::size_t p = 0; p < (std::min)(weights_.displacements.size(), places_.size()); ++p)
@@ -162,12 +164,12 @@ class NetworkBackwards {
     for (const Acting& a : acting) {
       Connection& c = connections_[a.connection];
       if (plan_.connections()[a.connection].friction) {
-        const FrictionBackwards<T>& friction = frictions_[a.connection];
-        press(a.connection, friction.of_increment(), &Place::after);
-        press(a.connection, -friction.of_increment(), &Place::before);
+        const FrictionBackwards<T>& rubbing = friction(a.connection);
+        press(a.connection, rubbing.of_increment(), &Place::after);
+        press(a.connection, -rubbing.of_increment(), &Place::before);
         ContactSlopes<T> slopes;
-        slopes.before = -friction.response();
-        slopes.after = friction.response();
+        slopes.before = -rubbing.response();
+        slopes.after = rubbing.response();
         steps_.push_back({{}, slopes});
         continue;
       }
@@ -185,6 +187,8 @@ class NetworkBackwards {
       steps_.push_back(c.contact.linearise(a.sample, T(0)));
     }
   }
+
+  [[nodiscard]] FrictionBackwards<T>& friction(std::size_t k) { return frictions_[friction_of_[k]]; }
 
   // Adds to the adjoint of a compression, and so to those of the displacements of its places.
   void press(std::size_t k, T adjoint, T Place::*member) {
@@ -247,7 +251,7 @@ class NetworkBackwards {
         continue;
       }
       if (plan_.connections()[k].friction) {
-        const T pressing = frictions_[k].push(c.force);
+        const T pressing = friction(k).push(c.force);
         if (pressing != 0) connections_[plan_.connections()[k].pressed_by].pressing += pressing;
         continue;
       }
@@ -294,7 +298,7 @@ class NetworkBackwards {
   void add_rubbing_calls(std::size_t n) {
     for (; calls_ > 0 && record_.rubbing_calls[calls_ - 1].sample >= n; --calls_) {
       const auto& call = record_.rubbing_calls[calls_ - 1];
-      const T adjoint = call.sample > n ? T(0) : frictions_[call.connection].take(call.is_speed);
+      const T adjoint = call.sample > n ? T(0) : friction(call.connection).take(call.is_speed);
       (call.is_speed ? gradient_.surface_speeds : gradient_.normal_forces).push_back(call.follows ? adjoint : T(0));
     }
   }
@@ -345,8 +349,8 @@ class NetworkBackwards {
 
   void finish_connection(std::size_t k) {
     const Connection& c = connections_[k];
-    ConnectionNumbers<T> numbers{c.contact.gradient(), c.gap, c.spring, c.resistance * static_cast<T>(rate_),
-                                 frictions_[k].numbers()};
+    ConnectionNumbers<T> numbers{c.contact.gradient(), c.gap, c.spring, c.resistance * static_cast<T>(rate_)};
+    if (plan_.connections()[k].friction) numbers.friction = friction(k).numbers();
     numbers.contact.stiffness_ratio *= plan_.connections()[k].weight;
     gradient_.numbers.connections.push_back(std::move(numbers));
   }
@@ -366,9 +370,10 @@ class NetworkBackwards {
   MovingPlaces<T> movers_;
   NetworkReplay<T> replay_;
   std::vector<Connection> connections_;
-  std::vector<FrictionBackwards<T>> frictions_;  // of all connections
-  std::size_t calls_ = 0;                        // of normal forces and surface speeds, from here back
-  std::vector<ContactStepBack> steps_;           // of each connection that acts
+  std::vector<FrictionBackwards<T>> frictions_;
+  std::vector<std::size_t> friction_of_;  // of each connection that is friction
+  std::size_t calls_ = 0;                 // of normal forces and surface speeds, from here back
+  std::vector<ContactStepBack> steps_;    // of each connection that acts
   ForceEquations<T> equations_;
   std::vector<T> right_;
   NetworkGradient<T> gradient_;

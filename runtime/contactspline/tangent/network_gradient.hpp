@@ -25,10 +25,10 @@
 
 namespace contactspline {
 
-/// A ContactNetwork that keeps what its gradient needs: in each sample 3 numbers, 9 for each spring and each contact
-/// that touches or remembers, and 1/64 of a number for each mode. Play it as the network, compute the derivatives of
-/// any function with respect to its samples, and call gradient(). Controls stay as the plan says, rigid links keep
-/// their stiffness.
+/// A ContactNetwork that keeps what its gradient needs: in each sample 4 numbers, 9 for each spring and each contact
+/// that touches or remembers, 16 for each friction, and 1/64 of a number for each mode. Play it as the network,
+/// compute the derivatives of any function with respect to its samples, and call gradient(). Controls of contacts and
+/// springs stay as the plan says, rigid links keep their stiffness.
 template <std::floating_point T>
 class RecordedNetwork {
  public:
@@ -39,9 +39,10 @@ class RecordedNetwork {
     for (std::size_t k = 0; k < plan.connections().size(); ++k)
       if (!plan.connections()[k].memories.empty()) remembering_.push_back(k);
     for (std::size_t k = 0; k < plan.connections().size(); ++k)
-      if (plan.connections()[k].friction) frictions_.push_back({k});
+      if (plan.connections()[k].friction) frictions_.emplace_back().connection = k;
     remembered_.resize(remembering_.size());
     last_increments_.resize(plan.connections().size());
+    controls_n_.resize(plan.connections().size());
     mover_of_.resize(plan.places().size());
     for (std::size_t p = 0; p < plan.places().size(); ++p)
       if (!plan.places()[p].wavenumbers_per_m.empty()) add_mover(p);
@@ -71,6 +72,7 @@ class RecordedNetwork {
   void set_normal_force(std::size_t connection, T force_n) {
     if (!is_number(force_n)) return;
     model_.set_normal_force(connection, force_n);
+    controls_n_[connection] = held(T(0), force_n, Ranges::normal_force_n);
     record_.rubbing_calls.push_back({samples(), connection, false, is_within(force_n, Ranges::normal_force_n)});
   }
   void set_surface_speed(std::size_t connection, T speed_m_per_s) {
@@ -152,12 +154,13 @@ class RecordedNetwork {
     rubbing.before = {friction.strain(), model_.temperature(rubbing.connection), friction.normal_force()};
     const std::size_t by = plan_.connections()[rubbing.connection].pressed_by;
     rubbing.is_pressed = by != kNoConnection && model_.force(by) > 0;
+    const T sum = controls_n_[rubbing.connection] + (rubbing.is_pressed ? model_.force(by) : T(0));
+    rubbing.follows = is_within(sum, Ranges::normal_force_n);
   }
   void keep_friction(Rubbing& rubbing) {
     const auto& connection = model_.solver()[rubbing.connection];
     rubbing.normal_force = connection.friction.normal_force();
     rubbing.increment = connection.friction_step.increment;
-    rubbing.follows = rubbing.normal_force < Ranges::normal_force_n.max;
     record_.rubbing.push_back(rubbing);
   }
 
@@ -218,6 +221,7 @@ class RecordedNetwork {
   std::vector<Rubbing> frictions_;                       // in the sample that plays
   // Of each connection, over the sample before. Where it did not touch then it is older, and its loss is 0.
   std::vector<T> last_increments_;
+  std::vector<T> controls_n_;  // normal forces of friction, by control
   std::vector<Mover> movers_;
   std::vector<std::size_t> mover_of_;  // each place, if it moves
 };

@@ -55,8 +55,8 @@ struct NetworkWeights {
 
 /// The gradient of a sum: with respect to the numbers of a network, and to what RecordedNetwork::set_motion(),
 /// push(), set_normal_force(), set_surface_speed(), and put_place() together with move_place() were given, in the
-/// order of the calls. Of a place that moves
-/// along a string, `numbers` has the shapes where it begins, until it moves.
+/// order of the calls. Of a place that moves along a string, `numbers` has the shapes where it begins, until it
+/// moves.
 template <std::floating_point T>
 struct NetworkGradient {
   struct Motion {

@@ -38,12 +38,12 @@ struct NetworkRecord {
     bool displacement_follows, velocity_follows;
   };
   // Friction in a sample: what it kept before, what pressed it, and its increment. follows: not where the normal
-  // force is at an end of its range; is_pressed: by the connection of the plan, too.
+  // force is beyond its range; is_pressed: by the connection of the plan, too.
   struct Rubbing {
-    std::size_t connection;
-    FrictionState<T> before;
-    T normal_force, increment;
-    bool follows, is_pressed;
+    std::size_t connection = 0;
+    FrictionState<T> before = {};
+    T normal_force = 0, increment = 0;
+    bool follows = true, is_pressed = false;
   };
   // A normal force or a surface speed that was set before a sample.
   struct RubbingCall {
@@ -63,7 +63,7 @@ struct NetworkRecord {
     std::size_t acting = 0, pushes = 0, motions = 0, rubbing = 0;
   };
 
-  std::vector<Acting> acting;  // springs, and contacts that press, are compressed or remember
+  std::vector<Acting> acting;  // springs, friction, and contacts that press, are compressed or remember
   std::vector<Push> pushes;
   std::vector<Motion> motions;
   std::vector<Rubbing> rubbing;  // all friction, in each sample

@@ -23,9 +23,10 @@
 
 namespace contactspline {
 
-/// A ContactNetwork with its derivatives with respect to P parameters. Controls stay as the plan says, rigid links
-/// keep their stiffness. Once put_place() or move_place() has moved a place or its slopes, the shapes there change
-/// with the place alone, not by what the directions say of them. No body of the plan stretches (StretchingTangent).
+/// A ContactNetwork with its derivatives with respect to P parameters. Controls of contacts and springs stay as the
+/// plan says, rigid links keep their stiffness. Once put_place() or move_place() has moved a place or its slopes, the
+/// shapes there change with the place alone, not by what the directions say of them. No body of the plan stretches
+/// (StretchingTangent), and no friction is at a place that moves along a string.
 template <std::floating_point T, std::size_t P>
 class NetworkTangent {
  public:
@@ -41,6 +42,7 @@ class NetworkTangent {
         equations_(plan.connections().size()),
         increments_(plan.connections().size()),
         solution_(plan.connections().size()) {
+    friction_of_.resize(plan.connections().size());
     for (std::size_t k = 0; k < plan.connections().size(); ++k) add_connection(k, sample_rate_hz, directions);
     listed_.reserve(plan.connections().size());
   }
@@ -78,15 +80,16 @@ class NetworkTangent {
     bodies_.push(place, held(Number(), force_n, Ranges::force_n));
   }
 
-  /// ContactNetwork::set_normal_force and set_surface_speed, with the rules of set_motion().
-  void set_normal_force(std::size_t connection, const Number& force_n) {
-    model_.set_normal_force(connection, force_n.value);
-    Number& normal = connections_[connection].normal;
+  /// ContactNetwork::set_normal_force and set_surface_speed of a friction, with the rules of set_motion(). At 0 N
+  /// nothing follows the normal force.
+  void set_normal_force(std::size_t friction, const Number& force_n) {
+    model_.set_normal_force(friction, force_n.value);
+    Number& normal = frictions_[friction_of_[friction]].normal;
     normal = held(normal, force_n, Ranges::normal_force_n);
   }
-  void set_surface_speed(std::size_t connection, const Number& speed_m_per_s) {
-    model_.set_surface_speed(connection, speed_m_per_s.value);
-    Number& speed = connections_[connection].surface_speed;
+  void set_surface_speed(std::size_t friction, const Number& speed_m_per_s) {
+    model_.set_surface_speed(friction, speed_m_per_s.value);
+    Number& speed = frictions_[friction_of_[friction]].surface_speed;
     speed = held(speed, speed_m_per_s, Ranges::speed_m_per_s);
   }
 
@@ -108,7 +111,7 @@ class NetworkTangent {
     bodies_.advance(model_);
     for (const std::size_t k : listed_)
       if (is_contact(k)) connections_[k].contact.relax(connections_[k].before, connections_[k].compression);
-    for (const std::size_t k : frictions_) end_friction(k);
+    for (Rubbing& rubbing : frictions_) end_friction(rubbing);
   }
 
   [[nodiscard]] const ContactNetwork<T>& model() const { return model_; }
@@ -121,7 +124,7 @@ class NetworkTangent {
   /// [m], negative while apart; of friction the strain of its bristles.
   [[nodiscard]] Number compression(std::size_t connection) const {
     const Connection& c = connections_[connection];
-    if (is_friction(connection)) return c.rubbed.strain;
+    if (is_friction(connection)) return frictions_[friction_of_[connection]].kept.strain;
     return {model_.compression(connection), (c.is_measured ? c.compression : measured(connection)).slopes};
   }
 
@@ -140,11 +143,15 @@ class NetworkTangent {
     ContactControls<T> controls;
     Number gap, spring, resistance;
     bool is_followed, is_measured = false;
-    typename Friction::Numbers material;  // of friction, as all that follow but the force and what moves it
-    Number normal = {}, pressed = {}, surface_speed = {};  // by the control, and in all, held to the range
-    detail::FrictionState<Number> rubbed = {};
     Number before = {}, compression = {}, force = {}, free = {};
     T response = 0;
+  };
+  // normal: by its control; pressed: in all, held to the range.
+  struct Rubbing {
+    std::size_t connection;
+    typename Friction::Numbers material;
+    Number normal = {}, pressed = {}, surface_speed = {};
+    detail::FrictionState<Number> kept = {};
   };
 
   void add_connection(std::size_t k, double sample_rate_hz, const Directions& directions) {
@@ -168,38 +175,36 @@ class NetworkTangent {
                             gap,
                             spring,
                             resistance,
-                            plan.table.empty() || moves(plan.first) || moves(plan.second),
-                            false,
-                            {}});
+                            plan.table.empty() || moves(plan.first) || moves(plan.second)});
     if (!plan.friction) return;
-    frictions_.push_back(k);
-    connections_.back().material =
-        detail::with_slopes<T, P>(FrictionNumbers<T>::of(*plan.friction, plan.friction_width_m), frictions);
+    friction_of_[k] = frictions_.size();
+    frictions_.push_back(
+        {k, detail::with_slopes<T, P>(FrictionNumbers<T>::of(*plan.friction, plan.friction_width_m), frictions)});
   }
 
   [[nodiscard]] bool moves(std::size_t place) const { return place != kGround && bodies_.moves(place); }
   [[nodiscard]] bool is_contact(std::size_t k) const { return !plan_.connections()[k].table.empty(); }
   [[nodiscard]] bool is_friction(std::size_t k) const { return plan_.connections()[k].friction.has_value(); }
-  [[nodiscard]] Friction friction(const Connection& c) const {
-    return {c.material, 1 / double(time_step_), c.rubbed, c.pressed};
+  [[nodiscard]] Friction friction(const Rubbing& rubbing) const {
+    return {rubbing.material, 1 / double(time_step_), rubbing.kept, rubbing.pressed};
   }
 
   // What presses friction in this sample: its control, and the force of the sample before of what presses it.
   void press() {
-    for (const std::size_t k : frictions_) {
-      Connection& c = connections_[k];
-      c.pressed = c.normal;
-      const std::size_t by = plan_.connections()[k].pressed_by;
+    for (Rubbing& rubbing : frictions_) {
+      rubbing.pressed = rubbing.normal;
+      const std::size_t by = plan_.connections()[rubbing.connection].pressed_by;
       if (by != kNoConnection && connections_[by].force.value > 0)
-        c.pressed = held(Number(), c.pressed + connections_[by].force, Ranges::normal_force_n);
+        rubbing.pressed = held(Number(), rubbing.pressed + connections_[by].force, Ranges::normal_force_n);
     }
   }
   // The values are the model's: of what is kept, too, so that roundings do not add up.
-  void end_friction(std::size_t k) {
-    Connection& c = connections_[k];
-    c.rubbed = friction(c).advance({model_.solver()[k].friction_step.increment, c.free.slopes});
-    c.rubbed.strain.value = model_.solver()[k].friction.strain();
-    c.rubbed.temperature.value = model_.temperature(k);
+  void end_friction(Rubbing& rubbing) {
+    const CoupledConnection<T>& played = model_.solver()[rubbing.connection];
+    rubbing.kept =
+        friction(rubbing).advance({played.friction_step.increment, connections_[rubbing.connection].free.slopes});
+    rubbing.kept.strain.value = played.friction.strain();
+    rubbing.kept.temperature.value = model_.temperature(rubbing.connection);
   }
 
   // Lets all compressions be measured anew, as the network does: they may jump.
@@ -207,6 +212,7 @@ class NetworkTangent {
     bodies_.place_all();
     for (Connection& c : connections_) {
       c.is_measured = false;
+      c.force = Number();
       c.contact.jump();
     }
   }
@@ -260,7 +266,8 @@ class NetworkTangent {
           c.response = response.stiffness;
         }
       } else if (is_friction(k)) {
-        const auto response = friction(c).respond(model_.solver()[k].friction_step.increment);
+        const auto response =
+            friction(frictions_[friction_of_[k]]).respond(model_.solver()[k].friction_step.increment);
         c.force = {force, response.force.slopes};
         c.response = response.stiffness;
       } else {
@@ -280,7 +287,7 @@ class NetworkTangent {
     for (const std::size_t k : listed_) {
       Connection& c = connections_[k];
       c.free = between(k, [&](std::size_t q) -> const Number& { return bodies_.moved(q, model_); });
-      if (is_friction(k)) c.free = c.free + Number(time_step_) * c.surface_speed;
+      if (is_friction(k)) c.free = c.free + Number(time_step_) * frictions_[friction_of_[k]].surface_speed;
       equations_.add(k, connections_[k].response);
     }
     equations_.factorise(model_.solver());
@@ -299,7 +306,7 @@ class NetworkTangent {
       const Number moved = increment(k);
       for (std::size_t p = 0; p < P; ++p) connections_[k].compression.slopes[p] += moved.slopes[p];
     }
-    for (const std::size_t k : frictions_) connections_[k].free = increment(k);
+    for (const Rubbing& rubbing : frictions_) connections_[rubbing.connection].free = increment(rubbing.connection);
   }
   // Slopes of the increment of a connection, under the slopes that the forces have by now.
   [[nodiscard]] Number increment(std::size_t k) const {
@@ -316,8 +323,9 @@ class NetworkTangent {
   T time_step_;
   detail::BodiesTangent<T, P> bodies_;
   std::vector<Connection> connections_;
-  std::vector<std::size_t> frictions_;
-  std::vector<std::size_t> listed_;  // connections whose compression is followed in this sample
+  std::vector<Rubbing> frictions_;
+  std::vector<std::size_t> friction_of_;  // of each connection that is friction
+  std::vector<std::size_t> listed_;       // connections whose compression is followed in this sample
   detail::ForceEquations<T> equations_;
   std::vector<Number> increments_;  // for the connections that respond
   std::vector<T> solution_;
