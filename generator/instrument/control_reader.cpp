@@ -8,6 +8,7 @@
 
 #include "contactspline/midi/midi_meaning.hpp"
 #include "generator/resonator/resonator_reader.hpp"
+#include "generator/support/number_literal.hpp"
 
 namespace contactspline {
 namespace {
@@ -191,8 +192,8 @@ class ControlReader {
   void narrow_to_string(const InstrumentPlace& place, Range& range) const {
     const auto [first, last] = std::ranges::minmax(place.points, {}, &Place::position_m);
     const double length_m = extent_of(model_.bodies[place.body].resonator.body);
-    range.min = std::max(range.min, place.middle_m() - first.position_m);
-    range.max = std::min(range.max, length_m - (last.position_m - place.middle_m()));
+    range.min = std::max(range.min, rounded_to(place.middle_m() - first.position_m, 13));
+    range.max = std::min(range.max, rounded_to(length_m - (last.position_m - place.middle_m()), 13));
   }
 
   static bool acts_at_next_note(const JsonObject& json, ControlQuantity quantity) {
