@@ -66,7 +66,8 @@ TEST(PointsTogether, AtOnePlaceAreOnePoint) {
       double largest = 0;
       for (const double value : expected) largest = std::max(largest, std::abs(value));
       EXPECT_GT(largest, 0.1);
-      EXPECT_TRUE(sequences_within(std::span<const double>(found), std::span<const double>(expected), 1e-10 * largest));
+      EXPECT_TRUE(
+          sequences_within(std::span<const double>(found), std::span<const double>(expected), 1e-10 * largest));
     }
 }
 
