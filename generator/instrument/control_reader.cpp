@@ -8,6 +8,7 @@
 
 #include "contactspline/midi/midi_meaning.hpp"
 #include "generator/resonator/resonator_reader.hpp"
+#include "generator/support/number_literal.hpp"
 
 namespace contactspline {
 namespace {
@@ -192,8 +193,8 @@ class ControlReader {
     const double length_m = extent_of(model_.bodies[place.body].resonator.body);
     for (const Place& point : place.points) {
       const double offset_m = point.position_m - place.middle_m();
-      range.min = std::max(range.min, -offset_m);
-      range.max = std::min(range.max, length_m - offset_m);
+      range.min = std::max(range.min, rounded_to(-offset_m, 13));
+      range.max = std::min(range.max, rounded_to(length_m - offset_m, 13));
     }
   }
 
