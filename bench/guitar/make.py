@@ -292,9 +292,7 @@ def fit(program, kind, folder, path):
     Path(path).write_text(of["about"] + text_of(of["of"](numbers(best.x), sum(of["strings"].values(), ()))), encoding="utf-8")
 
 
-def distance(program, path, *folders):
-    of = GUITARS[json.loads("\n".join(line for line in Path(path).read_text(encoding="utf-8").splitlines() if not line.startswith("//")))["name"]]
-    ours = {key: Note(rendered(program, of, path, key), key, of) for key in INHARMONICITY}
+def shown(ours, folders, of):
     for name, folder in zip(("fitted", "kept"), folders):
         theirs = notes_of(folder, of)
         for source in sorted({source for source, _ in theirs}):
@@ -303,6 +301,11 @@ def distance(program, path, *folders):
             print(f"{name}, {source}: log-mel {np.mean([np.abs(a.differences(b)).mean() for a, b in pairs]):.2f} dB, partials "
                   f"{np.median(np.abs(np.concatenate([a.levels_apart(b) for a, b in pairs]))):.1f} dB, decays x {2 ** np.nanmedian(np.abs(np.concatenate(decays))):.2f}"
                   f" ({2 ** np.nanmedian(np.concatenate(decays)):.2f})")
+
+
+def distance(program, path, *folders):
+    of = GUITARS[json.loads("\n".join(line for line in Path(path).read_text(encoding="utf-8").splitlines() if not line.startswith("//")))["name"]]
+    shown({key: Note(rendered(program, of, path, key), key, of) for key in INHARMONICITY}, folders, of)
 
 
 if __name__ == "__main__":
