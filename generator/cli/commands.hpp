@@ -93,7 +93,8 @@ struct FitOptions {
 /// Fits a material to measurements or an instrument to recordings, and writes its file.
 void fit(const FitOptions& options);
 
-/// The words that `list` takes: materials, resonators, keyboards, instruments, scores.
+/// The words that `list` takes: materials, frictions, resonators, keyboards, instruments,
+/// scores.
 [[nodiscard]] std::vector<std::string> kinds_that_ship();
 
 /// Prints tables of what ships: of one kind, or of all if `only` is empty.

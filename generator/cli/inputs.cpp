@@ -141,8 +141,7 @@ const EmbeddedFile* shipped(Shipped folder, const std::string& name) {
 
 [[noreturn]] void refuse_kind(const std::string& argument, std::string_view key, Shipped kind,
                               std::string_view allowed) {
-  refuse(argument, key, fmt::format("is {} {}", kind == Shipped::kInstruments ? "an" : "a", kind_name(kind)),
-         allowed);
+  refuse(argument, key, "is " + a_kind(kind), allowed);
 }
 
 // What prints the names in these folders.
@@ -270,8 +269,7 @@ std::vector<std::string> players_that_ship() {
 [[noreturn]] void refuse_player(const std::string& instrument) {
   std::optional<Shipped> kind = kind_of_name(instrument);
   if (is_file(instrument)) kind = kind_of_file(text_of(instrument), instrument, "instrument");
-  refuse("--instrument", shown(instrument),
-         kind ? fmt::format("is a {}", kind_name(*kind)) : "is no instrument and no keyboard",
+  refuse("--instrument", shown(instrument), kind ? "is " + a_kind(*kind) : "is no instrument and no keyboard",
          fmt::format("{}, a model of your own (.so), {}",
                      files_for(instrument, "a .json file of an instrument or a keyboard"),
                      names_in_short(players_that_ship(), instrument, "contactspline list instruments")));

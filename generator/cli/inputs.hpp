@@ -22,7 +22,8 @@
 namespace contactspline {
 
 /// Reads and designs a MATERIAL: a file if it ends in .json or .mid or has a slash, else the name of one that ships.
-/// `of_any_kind`: messages say that resonators, keyboards and instruments are allowed, too. Throws BadInput.
+/// `of_any_kind`: messages say that frictions, resonators, keyboards and instruments are allowed, too. Throws
+/// BadInput.
 [[nodiscard]] Design design_argument(const std::string& argument, bool of_any_kind = false);
 
 /// The file that an argument names: none for a shipped name.

@@ -94,7 +94,8 @@ std::string friction_row(const InstrumentModel& model, const InstrumentFriction&
   const std::string falls = cold == hot ? "" : fmt::format(", {:g} where hot", hot);
   const std::string pressed =
       friction.pressed_by == kNoConnection ? "" : " and " + model.connections[friction.pressed_by].name;
-  return fmt::format(", coefficient {:g}{}, {:g} N{}, {:g} m/s", cold, falls, friction.normal_force_n, pressed,
+  return fmt::format(", coefficient {:g}{}, bristles {:g} 1/m, {:g} N{}, {:g} m/s", cold, falls,
+                     friction.material.bristles.stiffness_per_m, friction.normal_force_n, pressed,
                      friction.surface_speed_m_per_s);
 }
 

@@ -107,6 +107,9 @@ class ConnectionReader {
     const RubbingSurfaces surfaces = parse_friction(named.text, named.file);
     if (json.has("stiffness_per_m"))
       json.fail(json.key("stiffness_per_m"), "stands beside material", "beside coefficient");
+    if (json.has("width_m") && !surfaces.warms())
+      json.fail(json.key("width_m"), fmt::format("stands beside '{}', which does not warm", surfaces.name),
+                "beside a material with heat");
     return {surfaces.friction, json.has("width_m") ? json.number("width_m", kRubbingWidth_m) : surfaces.width_m};
   }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Two surfaces that rub, as a friction file describes them (docs/reference/materials.md).
+// Two surfaces that rub, as a friction file describes them (docs/how-it-works/friction.md).
 #pragma once
 
 #include <string>

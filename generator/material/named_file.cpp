@@ -26,7 +26,7 @@ NamedText named_text(std::string_view file, std::string_view key, const std::str
                      const ReadFile& read) {
   const auto refuse_other = [&](std::optional<Shipped> kind) {
     if (kind && *kind != folder)
-      refuse(file, key, fmt::format("'{}' is a {}", shown(name), kind_name(*kind)), allowed_in(folder));
+      refuse(file, key, fmt::format("'{}' is {}", shown(name), a_kind(*kind)), allowed_in(folder));
   };
   if (is_path(name)) {
     std::string text = read_for_key(file, key, name, read);
@@ -43,7 +43,7 @@ NamedText read_named(const JsonObject& object, const char* key, Shipped folder, 
   if (object.has_object(key)) {
     NamedText named{object.json(key), fmt::format("{}: {}", object.file(), object.key(key)), false, true};
     if (const auto kind = kind_of_file(named.text, named.file, kind_name(folder)); kind && *kind != folder)
-      object.fail(object.key(key), fmt::format("is a {}", kind_name(*kind)), allowed_in(folder));
+      object.fail(object.key(key), "is " + a_kind(*kind), allowed_in(folder));
     return named;
   }
   return named_text(object.file(), object.key(key), object.text(key, allowed_in(folder)), folder, read);

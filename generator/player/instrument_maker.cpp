@@ -102,8 +102,7 @@ InstrumentMaker maker_of_text(std::string_view text, const std::string& file, co
 InstrumentMaker maker_of_text(std::string_view text, const std::string& file, const ReadFile& read,
                               DesignedMaterials& materials) {
   const auto kind = kind_of_file(text, file, "instrument");
-  if (kind && *kind != Shipped::kInstruments)
-    refuse(file, "file", fmt::format("is a {}", kind_name(*kind)), "an instrument");
+  if (kind && *kind != Shipped::kInstruments) refuse(file, "file", "is " + a_kind(*kind), "an instrument");
   Voice voice;
   voice.name = file;
   voice.model = parse_instrument(text, file, read, materials);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The files embedded in the program: the templates, and what ships: materials, resonators, keyboards,
-// instruments and scores.
+// The files embedded in the program: the templates, and what ships: materials, frictions, resonators,
+// keyboards, instruments and scores.
 #pragma once
 
 #include <span>

@@ -49,6 +49,10 @@ std::string_view kind_name(Shipped folder) {
   return "template";
 }
 
+std::string a_kind(Shipped folder) {
+  return (folder == Shipped::kInstruments ? "an " : "a ") + std::string(kind_name(folder));
+}
+
 std::optional<Shipped> kind_of_file(std::string_view text, std::string_view file, std::string_view what) {
   if (text.starts_with("MThd")) return Shipped::kScores;
   const std::vector<std::string> found = json_keys(text, file, what);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "generator/support/embedded_files.hpp"
@@ -11,6 +12,9 @@ namespace contactspline {
 
 /// The kind of the files in a folder: material, friction, resonator, keyboard, instrument or score.
 [[nodiscard]] std::string_view kind_name(Shipped folder);
+
+/// The same with its article: "a material", "an instrument".
+[[nodiscard]] std::string a_kind(Shipped folder);
 
 /// The kind that the keys of a JSON file show, or a score for MIDI; nothing if they show none. `what`, the kind that
 /// is expected, and `file` appear in messages only. Throws BadInput for wrong syntax and for an output of this

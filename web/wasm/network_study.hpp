@@ -11,7 +11,6 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
-#include <optional>
 #include <span>
 #include <string>
 #include <utility>

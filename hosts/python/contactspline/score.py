@@ -83,7 +83,7 @@ def read_tuning(tuning: str | os.PathLike[str] | None = None, keymap: str | os.P
 
 
 def shipped(kind: str) -> list[str]:
-    """The names that ship: kind is "materials", "resonators", "keyboards", "instruments" or "scores"."""
+    """The names that ship: kind is "materials", "frictions", "resonators", "keyboards", "instruments" or "scores"."""
     if kind not in _core.shipped:
         raise _core.Error(f"kind: '{kind}' is unknown; allowed: {', '.join(_core.shipped)}")
     return list(_core.shipped[kind])
