@@ -58,7 +58,8 @@ Eigen::VectorXd ListeningProblem::start() const {
   return places;
 }
 
-std::vector<std::optional<Residuals>> ListeningProblem::residuals_at(const std::vector<Eigen::VectorXd>& places) const {
+std::vector<std::optional<Residuals>> ListeningProblem::residuals_at(
+    const std::vector<Eigen::VectorXd>& places) const {
   std::vector<std::vector<double>> points;
   for (const Eigen::VectorXd& place : places) points.push_back(numbers_at(place));
   std::vector<std::optional<Residuals>> all;
@@ -87,7 +88,7 @@ std::vector<Eigen::VectorXd> ListeningProblem::beside(const Eigen::VectorXd& at)
 }
 
 Eigen::MatrixXd ListeningProblem::slopes(const Eigen::VectorXd& at,
-                                     std::span<const std::optional<Residuals>> beside) const {
+                                         std::span<const std::optional<Residuals>> beside) const {
   Eigen::MatrixXd slopes = Eigen::MatrixXd::Zero(NumResiduals(), NumParameters());
   for (Eigen::Index i = 0; i < at.size(); ++i) {
     const auto &low = beside[static_cast<std::size_t>(2 * i)], &high = beside[static_cast<std::size_t>(2 * i + 1)];

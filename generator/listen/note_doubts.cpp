@@ -67,8 +67,9 @@ void require_one_sound(RecordedSound& recording, const std::string& file) {
   if (powers.empty()) return;
   const auto loudest = std::ranges::max_element(powers);
   const double onset_s = onset_of(samples, recording.sample_rate_hz);
-  const auto begin = powers.begin() + std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(std::max(0.0, 100 * onset_s)),
-                                                               loudest - powers.begin());
+  const auto begin =
+      powers.begin() +
+      std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(std::max(0.0, 100 * onset_s)), loudest - powers.begin());
   if (std::any_of(begin, loudest, [&](double power) { return power < kPause * *loudest; }))
     refuse(file, "samples",
            fmt::format("something sounds {:.2g} s before the note", 0.01 * static_cast<double>(loudest - begin)),
@@ -81,8 +82,8 @@ void require_pitch(const RecordedInstrument& recorded, const std::vector<FittedN
     const Partials &theirs = notes[n].recorded.partials, &ours = notes[n].found.partials;
     if (recorded.notes[n].is_kept || theirs.empty() || ours.empty()) continue;
     const double found_hz = lowest_hz(strong(theirs, kDepth_db)), expected_hz = lowest_hz(strong(ours, kDepth_db));
-    if (has_beside(ours, theirs.front().frequency_hz, kFarthest_cents) && has_beside(ours, found_hz, kFarthest_cents) &&
-        has_beside(theirs, expected_hz, kFarthest_cents))
+    if (has_beside(ours, theirs.front().frequency_hz, kFarthest_cents) &&
+        has_beside(ours, found_hz, kFarthest_cents) && has_beside(theirs, expected_hz, kFarthest_cents))
       continue;
     refuse(recorded.notes[n].file, "samples",
            fmt::format("the strong partials begin at {:.5g} Hz, those of key {} within the bounds at {:.5g} Hz",
@@ -98,8 +99,9 @@ std::vector<std::string> doubts_of(const RecordedInstrument& recorded, const std
     const std::string file = shown(recorded.notes[n].file);
     const NoteDistance& left = notes[n].after;
     if (left.level_db > kLeft_db + kOfNoise * left.noise_db)
-      doubts.push_back(fmt::format("{}: the instrument does not explain it: {:.1f} dB are left, by noise alone {:.1f}",
-                                   file, left.level_db, left.noise_db));
+      doubts.push_back(
+          fmt::format("{}: the instrument does not explain it: {:.1f} dB are left, by noise alone {:.1f}", file,
+                      left.level_db, left.noise_db));
     if (const auto strange = strange_partial(notes[n]))
       doubts.push_back(fmt::format("{}: the instrument has no partial near {:.5g} Hz: another note, hum?", file,
                                    strange->frequency_hz));

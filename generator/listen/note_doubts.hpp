@@ -13,8 +13,8 @@ namespace contactspline {
 /// the note: between it and the loudest 10 ms the level falls 30 dB below those.
 void require_one_sound(RecordedSound& recording, const std::string& file);
 
-/// Throws BadInput where the strongest partial of a fitted note, or the lowest of those up to 12 dB below it, recorded
-/// or rendered, has none of the other beside it within 80 cents.
+/// Throws BadInput where the strongest partial of a fitted note, or the lowest of those up to 12 dB below it,
+/// recorded or rendered, has none of the other beside it within 80 cents.
 void require_pitch(const RecordedInstrument& recorded, const std::vector<FittedNote>& notes);
 
 /// A line for each recording that the instrument does not explain: differences of level beyond noise, partials that
