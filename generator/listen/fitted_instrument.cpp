@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <tuple>
 #include <vector>
 
@@ -42,15 +41,10 @@ std::string report_of(const InstrumentFit& fit, const RecordedInstrument& record
   for (std::size_t i = 0; i < fit.numbers.size(); ++i)
     text += fmt::format("  {:<44} {:.{}g}{}\n", recorded.open[i].key, fit.numbers[i].value, digits_of(fit.numbers[i]),
                         words_of(fit.numbers[i]));
-  std::set<double> velocities;  // that are stated, of fitted notes
-  for (const RecordedNote& note : recorded.notes)
-    if (!note.is_kept && !note.open_velocity) velocities.insert(note.velocity);
-  if (velocities.size() < 2) text += "  Intervals hold where notes of two stated velocities are fitted, or more.\n";
-  text +=
-      "distance before and after: of levels by band and time, of which noise alone leaves the third; of partials\n";
+  text += "distance before and after, of levels by band and time, beside what noise alone leaves; of partials\n";
   for (std::size_t n = 0; n < fit.notes.size(); ++n) {
     const auto& [before, after] = std::tie(fit.notes[n].before, fit.notes[n].after);
-    text += fmt::format("  {:<36} {:<7} {:>6.2f} {:>6.2f} {:>6.2f} dB {:>7.1f} {:>6.1f} cents\n",
+    text += fmt::format("  {:<36} {:<7} {:>6.2f} {:>6.2f} dB ({:.2f}) {:>7.1f} {:>6.1f} cents\n",
                         shown(recorded.notes[n].file), recorded.notes[n].is_kept ? "kept" : "fitted", before.level_db,
                         after.level_db, after.noise_db, before.cents, after.cents);
   }

@@ -97,6 +97,50 @@ TEST(FitOfAnInstrument, WritesTheFileThatWasOpenWithItsCommentsAndDrawsAFigure) 
     EXPECT_NE(figure.find(word), figure.npos) << word;
 }
 
+// kKalimba with its weight alone open, and another way to the tine.
+Known with_open_weight(double gap_m) {
+  Known known = kKalimba;
+  known.file = known.with(false);
+  known.file.replace(known.file.find("\"weight\": 0.5"), 13, "\"weight\": @0");
+  known.file.replace(known.file.find("0.001 }],\n  \"strikes\""), 5, fmt::format("{}", gap_m));
+  known.open = {kKalimba.open.back()};
+  return known;
+}
+
+// At 0.3 of the largest speed the thumb is there after more than 0.1 s.
+TEST(FitOfAnInstrument, WaitsForASlowStriker) {
+  const Sandbox box;
+  record(box, with_open_weight(0.1));
+  const auto fit = nlohmann::json::parse(succeed(fitted(box)));
+  EXPECT_NEAR(fit.at("estimates").at("contacts[0].weight").at("value").get<double>(), 0.5, 0.02);
+  EXPECT_EQ(fit.at("doubts"), nlohmann::json::array());
+}
+
+TEST(FitOfAnInstrument, RefusesAnOctave) {
+  const Sandbox box;
+  record(box, with_open_weight(0.001));
+  const std::vector<double> low = read_sound(box / "note_0.wav").samples;
+  std::vector<double> high;
+  for (std::size_t i = 0; i < low.size(); i += 2) high.push_back(low[i]);
+  write_sound(box / "note_0.wav", high, kRate);
+  expect_refused(fitted(box), "note_0.wav: samples: the strong partials begin at 879.",
+                 "of key 69 within the bounds at 439.");
+}
+
+TEST(FitOfAnInstrument, TellsWhatTheInstrumentDoesNotExplain) {
+  const Sandbox box;
+  record(box, with_open_weight(0.001));
+  std::vector<double> two = read_sound(box / "note_0.wav").samples;
+  for (std::size_t i = two.size() / 3; i < two.size(); ++i)
+    two[i] = 0.8 * two[i] + 0.05 * std::sin(2 * std::numbers::pi * 700 * double(i) / kRate);
+  write_sound(box / "note_0.wav", two, kRate);
+  const auto fit = nlohmann::json::parse(succeed(fitted(box)));
+  ASSERT_EQ(fit.at("doubts").size(), 2) << fit;
+  EXPECT_NE(fit.at("doubts")[0].get<std::string>().find("note_0.wav: the instrument does not explain it: "),
+            std::string::npos);
+  EXPECT_NE(fit.at("doubts")[1].get<std::string>().find("no partial near 700"), std::string::npos) << fit;
+}
+
 /// What is refused: the fit file, an instrument file if it is not the one of kKalimba, and the line.
 struct Bad {
   std::string test, fit, beginning, says, instrument = {};
