@@ -5,6 +5,7 @@ import json
 import os
 import re
 
+import numpy as np
 from scipy.io import wavfile
 
 RATE = 44100
@@ -26,6 +27,28 @@ def recorded(folder):
     """Sounds of FOLDER/SOURCE/NOTE.wav by source and note."""
     return {(os.path.basename(os.path.dirname(path)), os.path.basename(path)[:-4]): read(path)
             for path in sorted(glob.glob(f"{folder}/*/*.wav"))}
+
+
+def from_onset(sound):
+    """From 3 ms before it is first above 0.03 of its peak."""
+    begin = int(np.argmax(np.abs(sound) > 0.03 * np.abs(sound).max()))
+    return sound[max(0, begin - int(0.003 * RATE)):]
+
+
+def a_weighting(f):
+    """[dB]"""
+    q = np.maximum(f, 1) ** 2
+    return 2 + 20 * np.log10(12194 ** 2 * q * q / ((q + 20.6 ** 2) * np.sqrt((q + 107.7 ** 2) * (q + 737.9 ** 2)) * (q + 12194 ** 2)))
+
+
+def mel(sound, seconds, top, bands=48, n=2048, hop=512):
+    """Powers by window and band from 60 Hz to `top`."""
+    sound = sound[:int(seconds * RATE)]
+    edges = 700 * (10 ** (np.linspace(*(2595 * np.log10(1 + np.array([60, top]) / 700)), bands + 2) / 2595) - 1)
+    f = np.fft.rfftfreq(n, 1 / RATE)
+    bank = np.maximum(0, np.minimum((f - edges[:-2, None]) / np.diff(edges)[:-1, None], (edges[2:, None] - f) / np.diff(edges)[1:, None]))
+    bank /= bank.sum(1, keepdims=True) + 1e-12
+    return np.array([bank @ np.abs(np.fft.rfft(sound[a:a + n] * np.hanning(n))) ** 2 for a in range(0, len(sound) - n, hop)])
 
 
 def text_of(file):

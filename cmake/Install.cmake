@@ -17,7 +17,7 @@ endif()
 install(FILES runtime/contactspline.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY runtime/contactspline DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
         FILES_MATCHING PATTERN *.hpp PATTERN simd/*-inl.hpp EXCLUDE)
-install(DIRECTORY data/materials data/resonators data/scores data/keyboards data/instruments DESTINATION ${contactspline_data_dir}
+install(DIRECTORY data/materials data/frictions data/resonators data/scores data/keyboards data/instruments DESTINATION ${contactspline_data_dir}
         FILES_MATCHING PATTERN *.json PATTERN *.csv PATTERN *.mid)
 install(FILES LICENSE TYPE DOC COMPONENT licence)
 

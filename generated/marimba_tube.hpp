@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Instrument marimba bar over its tube: 3 bodies with 18 modes below 22050.0 Hz, 2 connections.
+// Instrument marimba bar over its tube: 3 bodies with 14 modes below 22050.0 Hz, 2 connections.
 // Written by contactspline 0.2.0: contactspline generate marimba_tube.json --emit cpp
 #pragma once
 
@@ -37,25 +37,23 @@ class marimba_tube : public Voices<NetworkInstrument<T>> {
 
   // What NetworkInstrument plays. Its members: struct InstrumentData.
   struct data {
-    static constexpr std::array<double, 18> angular_frequencies = {
-        1644.220549808, 4532.36619893, 8885.253345104, 14687.77712963, 21941.00647264, 30644.87766682,
-        40799.39424187, 52404.55601971, 65460.36301309, 79966.81522338, 95923.91265168, 113331.6552986,
-        132190.0431647, 1561.685708099, 4685.057124298, 7808.742699763, 10932.11411596, 0.0};
-    static constexpr std::array<double, 18> decays = {
-        4.143583871299, 7.030602230885, 11.38179186241, 17.18205312229, 24.4324543837, 33.13293192547,
-        43.2834892611, 54.88412620595, 67.93484276939, 82.43563895097, 98.38651475071, 115.7874701686,
-        134.6385052047, 9.745, 38.45, 89.35, 163.4, 0.0};
-    static constexpr std::array<double, 18> masses = {
-        0.0825, 0.0825, 0.0825, 0.0825, 0.0825, 0.0825, 0.0825, 0.0825, 0.0825, 0.0825, 0.0825, 0.0825,
-        0.0825, 0.00037458, 0.00037458, 0.00037458, 0.00037458, 0.02};
-    static constexpr std::array<std::size_t, 3> body_ends = {13, 17, 18};
-    static constexpr std::array<std::size_t, 4> place_bodies = {2, 0, 0, 1};
-    static constexpr std::array<double, 31> shapes = {
-        1.0, -0.5895229061669, -0.2399920233585, 0.6252198153304, 0.4243391454745, -0.4997655315656,
-        -0.5660288690922, 0.3388926794289, 0.6625259441933, -0.1503056734071, -0.7053050079431,
-        -0.05044438192418, 0.690947183742, 0.2471084933428, -0.6078222294163, 0.0, 0.7111906070896, 0.0,
-        -0.7069297624035, 0.0, 0.7071144298636, 0.0, -0.7071064506554, 0.0, 0.7071067954701, 0.0,
-        -0.7071067805693, 1.0, 1.0, 1.0, 1.0};
+    static constexpr std::array<double, 14> angular_frequencies = {
+        1643.84172628, 6646.704882657, 15718.75484276, 27283.52104472, 41434.07694773, 58097.51418945,
+        77199.92618913, 98728.63215237, 122758.2598708, 1561.685708099, 4685.057124298, 7808.742699763,
+        10932.11411596, 0.0};
+    static constexpr std::array<double, 14> decays = {
+        3.359910233497, 5.976952692661, 10.72262442333, 16.77225869573, 24.17454315354, 32.89133868998,
+        42.88398409884, 54.14584594352, 66.7159625772, 29.9, 38.45, 89.35, 163.4, 0.0};
+    static constexpr std::array<double, 14> masses = {
+        0.0936253867, 0.114106236, 0.133686374, 0.130719782, 0.123683973, 0.115887316, 0.109143087,
+        0.104578084, 0.102625432, 0.00037458, 0.00037458, 0.00037458, 0.00037458, 0.02};
+    static constexpr std::array<std::size_t, 3> body_ends = {9, 13, 14};
+    static constexpr std::array<std::size_t, 5> place_bodies = {2, 0, 0, 0, 1};
+    static constexpr std::array<double, 32> shapes = {
+        1.0, -0.944429636, -1.09630654, 0.427319044, 1.58372926, 1.16672611, -0.373050126, -1.39933475,
+        -0.875595603, 0.578019599, -1.16903773, 0.0, 2.02236707, 0.0, -1.78200402, 0.0, 1.62684046, 0.0,
+        -1.56109896, -0.0204141586, -0.502992115, -0.730679039, -0.805554736, -0.71598274, -0.477162115,
+        -0.137387184, 0.232718436, 0.55628796, 1.0, 1.0, 1.0, 1.0};
     static constexpr std::array<double, 48> knots = {
         0.0, 6.335868946429475e-06, 1.2897116040413183e-05, 1.9694557070496382e-05, 2.673966874742654e-05,
         3.404462925484477e-05, 4.162237804803871e-05, 4.9486666677475764e-05, 5.765212691396464e-05,
@@ -106,13 +104,13 @@ class marimba_tube : public Voices<NetworkInstrument<T>> {
         157613.74495858175, 173203.74109480446, 190662.9364235686};
     static constexpr std::array<std::size_t, 1> table_ends = {48};
     static constexpr std::array<InstrumentConnection, 2> connections = {{
-        {ConnectionKind::kContact, 0, 1, 0, 0.005, 1.0, 0.0, 0.0, 0.0},
-        {ConnectionKind::kSpring, 2, 3, 0, 0.0, 1.0, 0.0, 100.0, 0.0}}};
+        {ConnectionKind::kContact, 0, 1, 0, 0.005, 19.7, 0.0, 0.0, 0.0},
+        {ConnectionKind::kSpring, 2, 4, 0, 0.0, 1.0, 0.0, 100.0, 0.0}}};
     static constexpr std::array<InstrumentControl, 3> controls = {{
         {ControlQuantity::kStiffness, 0, 1},
         {ControlQuantity::kStiffnessRatio, 1, 1},
         {ControlQuantity::kDamping, 2, 1}}};
-    static constexpr std::array<std::size_t, 6> targets = {1, 0, 0, 3, 2, 2};
+    static constexpr std::array<std::size_t, 6> targets = {1, 0, 0, 4, 3, 3};
     static constexpr std::array<std::size_t, 1> strikes = {2};
     static constexpr std::array<std::size_t, 0> plucks = {};
     static constexpr std::array<InstrumentOutput, 2> sources = {{

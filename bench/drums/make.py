@@ -40,7 +40,7 @@ from scipy.optimize import minimize
 from scipy.signal import butter, sosfilt
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from notes import RATE, read, recorded, rounded, text_of
+from notes import RATE, a_weighting, from_onset, mel, read, recorded, rounded, text_of
 
 SPEEDS = {"soft": 2.15, "loud": 4}  # [m/s]: 5.4 dB, the median of recorded toms
 BANDS, TOP = 0.1, 16000
@@ -162,28 +162,6 @@ def rendered(program, file, seconds):
     return {**sounds, "one": sounds["loud"]}
 
 
-def from_stroke(sound):
-    """From 3 ms before it is first above 0.03 of its peak."""
-    begin = int(np.argmax(np.abs(sound) > 0.03 * np.abs(sound).max()))
-    return sound[max(0, begin - int(0.003 * RATE)):]
-
-
-def a_weighting(f):
-    """[dB]"""
-    q = np.maximum(f, 1) ** 2
-    return 2 + 20 * np.log10(12194 ** 2 * q * q / ((q + 20.6 ** 2) * np.sqrt((q + 107.7 ** 2) * (q + 737.9 ** 2)) * (q + 12194 ** 2)))
-
-
-def mel(sound, seconds, bands=48, n=2048, hop=512):
-    """Powers by window and band."""
-    sound = sound[:int(seconds * RATE)]
-    edges = 700 * (10 ** (np.linspace(*(2595 * np.log10(1 + np.array([60, TOP]) / 700)), bands + 2) / 2595) - 1)
-    f = np.fft.rfftfreq(n, 1 / RATE)
-    bank = np.maximum(0, np.minimum((f - edges[:-2, None]) / np.diff(edges)[:-1, None], (edges[2:, None] - f) / np.diff(edges)[1:, None]))
-    bank /= bank.sum(1, keepdims=True) + 1e-12
-    return np.array([bank @ np.abs(np.fft.rfft(sound[a:a + n] * np.hanning(n))) ** 2 for a in range(0, len(sound) - n, hop)])
-
-
 def decays(sound):
     """T60 by octave [s], by backward integration without the noise of the last 50 ms, from -5 to -25 dB."""
     times = []
@@ -205,11 +183,11 @@ def pitch(sound, at, begin_s):
 
 class Stroke:
     def __init__(self, sound, seconds):
-        sound = from_stroke(sound)
+        sound = from_onset(sound)
         spectrum = np.abs(np.fft.rfft(sound[:int(0.6 * RATE)], RATE)) ** 2
         f = np.fft.rfftfreq(RATE, 1 / RATE)
         self.loudness = 10 * np.log10((spectrum * 10 ** (a_weighting(f) / 10)).sum())
-        self.mel = 10 * np.log10(mel(sound, min(seconds, len(sound) / RATE)) + 1e-30)
+        self.mel = 10 * np.log10(mel(sound, min(seconds, len(sound) / RATE), TOP) + 1e-30)
         self.sound, self.cut = sound, {}
         at = np.argmax(np.where((f > 40) & (f < 1500), spectrum, 0))
         self.glide = 1200 * np.log2(pitch(sound, f[at], 0.005) / pitch(sound, f[at], 0.2))

@@ -332,7 +332,7 @@ void add_fit(CLI::App& app) {
   add_text(*command, "FILE", options->file, "fit file (.json), which names the data")->required();
   add_output_file(*command, "-o,--output", options->output, "material or instrument file to write (.json)");
   add_output_file(*command, "--figure", options->figure, "also draw data, model and residuals (.svg, .png, .pdf)");
-  command->add_flag("--json", options->json, "print all numbers as JSON; scatter as fractions, not in %");
+  command->add_flag("--json", options->json, "print all numbers as JSON; of a material, scatter in parts, not in %");
   add_force(*command, options->force);
   command->footer(
       "Example:\n"

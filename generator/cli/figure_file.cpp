@@ -16,9 +16,9 @@ namespace contactspline {
 namespace {
 
 // In the order of FigureKind.
-constexpr std::array<std::string_view, 7> kKinds = {
+constexpr std::array<std::string_view, 8> kKinds = {
     "figure of a spline",      "figure of knots",   "figure of impacts", "figure of a resonator",
-    "figure of an instrument", "figure of a sound", "figure of a fit"};
+    "figure of an instrument", "figure of a sound", "figure of a fit",   "figure of friction"};
 
 std::string_view name_of(FigureKind kind) {
   return kKinds[static_cast<std::size_t>(kind)];

@@ -12,7 +12,7 @@ namespace contactspline {
 enum class FigureFormat { kSvg, kPng, kPdf };
 
 /// What a figure shows. Every figure says it in its mark.
-enum class FigureKind { kSpline, kKnots, kImpacts, kResonator, kInstrument, kSound, kFit };
+enum class FigureKind { kSpline, kKnots, kImpacts, kResonator, kInstrument, kSound, kFit, kFriction };
 
 /// The format that the ending of a name chooses: .svg, .png or .pdf. Throws BadInput for any other.
 [[nodiscard]] FigureFormat figure_format(const std::string& file);

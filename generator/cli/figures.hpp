@@ -12,6 +12,7 @@
 #include "generator/fit/fit.hpp"
 #include "generator/instrument/instrument.hpp"
 #include "generator/listen/instrument_fit.hpp"
+#include "generator/material/friction_reader.hpp"
 #include "generator/player/score_player.hpp"
 #include "generator/resonator/resonator.hpp"
 #include "generator/spline/design.hpp"
@@ -24,6 +25,9 @@ namespace contactspline {
 /// Errors of contact duration, max compression and force of several designs of one material, which must have an
 /// impact.
 [[nodiscard]] std::string figure_of(std::span<const Design> families, FigureFormat format);
+
+/// Force of surfaces that rub over their way at several temperatures, and their coefficient over the speed.
+[[nodiscard]] std::string figure_of(const RubbingSurfaces& surfaces, FigureFormat format);
 
 /// Decay and shapes of the modes of a resonator below a frequency over their frequencies. There must be one.
 [[nodiscard]] std::string figure_of(const Resonator& resonator, double max_frequency_hz, FigureFormat format);

@@ -76,7 +76,8 @@ void fit(const FitOptions& options) {
   if (!options.figure.empty()) (void)figure_format(options.figure);  // throws before the search
   const std::filesystem::path file = options.file;
   const std::string text = read_input(file);
-  const ReadFile read = [&](const std::string& path) { return read_input(file.parent_path() / path); };
+  constexpr int kMaxMib = 16;  // 10 s of two channels, 32 bit, 192 kHz
+  const ReadFile read = [&](const std::string& path) { return read_large_input(file.parent_path() / path, kMaxMib); };
   if (is_recorded_instrument(text, options.file))
     fit_instrument(options, text, read);
   else

@@ -36,6 +36,7 @@ namespace contactspline {
 namespace {
 
 constexpr std::string_view kAnyKind = "material, resonator, keyboard or instrument";
+constexpr std::string_view kInspected = "material, friction, resonator, keyboard or instrument";
 
 // Does an argument name a file, or standard input?
 bool is_file(std::string_view argument) {
@@ -193,7 +194,8 @@ Source file_source(const std::string& file, double max_frequency_hz) {
   const WaitingLine line("designing " + file);
   const std::string text = text_of(file);
   const Shipped kind = kind_of_file(text, file, "material").value_or(Shipped::kMaterials);
-  if (kind == Shipped::kScores) refuse_kind(file, "file", kind, fmt::format("a {}", kAnyKind));
+  if (kind == Shipped::kScores || kind == Shipped::kFrictions)
+    refuse_kind(file, "file", kind, fmt::format("a {}", kAnyKind));
   if (kind == Shipped::kInstruments) return instrument_source(file, read_instrument(file, text), max_frequency_hz);
   if (kind == Shipped::kMaterials)
     return material_source(file, design_material(text, file, reader_beside(file)), 2 * max_frequency_hz);
@@ -318,13 +320,16 @@ ScoreSource shipped_score(const std::string& name, const std::vector<int>& chann
 }  // namespace
 
 Design design_argument(const std::string& argument, bool of_any_kind) {
-  const std::string_view kinds = of_any_kind ? kAnyKind : "material";
+  const std::string_view kinds = of_any_kind ? kInspected : "material";
   const WaitingLine line("designing " + argument);
   if (is_file(argument))
     return design_material(read_kind(argument, Shipped::kMaterials, kinds), argument, reader_beside(argument));
   const auto* material = shipped(Shipped::kMaterials, argument);
   if (material == nullptr)
-    of_any_kind ? refuse_any_name(argument) : refuse_name(argument, kinds, {Shipped::kMaterials});
+    of_any_kind ? refuse_name(argument, kinds,
+                              {Shipped::kMaterials, Shipped::kFrictions, Shipped::kResonators, Shipped::kKeyboards,
+                               Shipped::kInstruments})
+                : refuse_name(argument, kinds, {Shipped::kMaterials});
   return design_material(material->content, material->name);
 }
 
@@ -342,6 +347,11 @@ std::vector<std::filesystem::path> input_files(const std::string& argument, cons
 std::optional<Resonator> resonator_argument(const std::string& argument) {
   const auto named = text_of_kind(argument, Shipped::kResonators);
   return named ? std::optional(parse_resonator(named->text, named->file)) : std::nullopt;
+}
+
+std::optional<RubbingSurfaces> friction_argument(const std::string& argument) {
+  const auto named = text_of_kind(argument, Shipped::kFrictions);
+  return named ? std::optional(parse_friction(named->text, named->file)) : std::nullopt;
 }
 
 std::optional<Keyboard> keyboard_argument(const std::string& argument) {

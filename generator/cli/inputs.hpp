@@ -12,6 +12,7 @@
 
 #include "generator/emit/emitter.hpp"
 #include "generator/instrument/instrument.hpp"
+#include "generator/material/friction_reader.hpp"
 #include "generator/player/score.hpp"
 #include "generator/player/tuning.hpp"
 #include "generator/resonator/keyboard.hpp"
@@ -32,6 +33,9 @@ namespace contactspline {
 
 /// The resonator of such an argument, or nothing if it is not a resonator. Throws BadInput.
 [[nodiscard]] std::optional<Resonator> resonator_argument(const std::string& argument);
+
+/// The friction of such an argument, or nothing if it is not a friction. Throws BadInput.
+[[nodiscard]] std::optional<RubbingSurfaces> friction_argument(const std::string& argument);
 
 /// The keyboard of such an argument, or nothing if it is not a keyboard. Throws BadInput.
 [[nodiscard]] std::optional<Keyboard> keyboard_argument(const std::string& argument);

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <numbers>
 #include <optional>
 #include <set>
@@ -235,6 +236,42 @@ std::string resonator_table(const Resonator& resonator, double rate) {
                      set.cut ? "; max_modes leaves out others" : "");
 }
 
+// The speeds and the normal forces at which surfaces slide in the table.
+constexpr std::array kSlidingSpeeds_m_per_s = {0.01, 0.03, 0.1, 0.3, 1.0, 3.0};
+constexpr std::array kPressed_n = {0.1, 1.0, 10.0};
+
+std::string friction_table(const RubbingSurfaces& surfaces) {
+  const auto& [bristles, heat] = surfaces.friction;
+  std::string table = fmt::format(
+      "{}\nbristles {:.6g} 1/m and {:.6g} s/m times the normal force; they yield at {:.4g} um\n", title_of(surfaces),
+      bristles.stiffness_per_m, bristles.damping_s_per_m, 1e6 * heat.cold_coefficient / bristles.stiffness_per_m);
+  if (!surfaces.warms()) return table + fmt::format("coefficient {:.6g}\n", heat.cold_coefficient);
+  table += fmt::format(
+      "coefficient {:.6g} cold, {:.6g} hot, halfway {:.6g} K above ambient\n\nsliding on and on, {:.6g} m wide: "
+      "coefficient, K above ambient\n{:>12}",
+      heat.cold_coefficient, heat.hot_coefficient, heat.softening_k, surfaces.width_m, "speed [m/s]");
+  for (const double force : kPressed_n) table += fmt::format(" {:>15}", fmt::format("{:g} N", force));
+  for (const double speed : kSlidingSpeeds_m_per_s) {
+    table += fmt::format("\n{:>12g}", speed);
+    for (const double force : kPressed_n) {
+      const auto [coefficient, temperature_k] = steady_sliding(surfaces, speed, force);
+      table += fmt::format(" {:>7.4f} {:>7.1f}", coefficient, temperature_k);
+    }
+  }
+  return table + "\n";
+}
+
+std::string friction_page(const std::string& argument, const RubbingSurfaces& surfaces,
+                          const InspectOptions& options) {
+  if (options.compare || options.sample_rate_hz)
+    refuse(argument, options.compare ? "--compare" : "--rate", "cannot be used with a friction",
+           options.compare ? "with a material" : "with a resonator, a keyboard or an instrument");
+  if (!options.figure.empty())
+    write_figure(options.figure, FigureKind::kFriction, input_files(argument), options.force,
+                 [&](FigureFormat format) { return figure_of(surfaces, format); });
+  return options.json ? json_of(surfaces) : friction_table(surfaces) + figure_line(options);
+}
+
 std::string resonator_page(const std::string& argument, const Resonator& resonator, const InspectOptions& options) {
   if (options.compare) refuse(argument, "--compare", "cannot be used with a resonator", "with a material");
   const double rate = options.sample_rate_hz.value_or(kDefaultRate);
@@ -324,6 +361,7 @@ std::string material_page(const std::string& argument, const InspectOptions& opt
 }
 
 std::string page_of(const std::string& argument, const InspectOptions& options) {
+  if (const auto friction = friction_argument(argument)) return friction_page(argument, *friction, options);
   if (const auto resonator = resonator_argument(argument)) return resonator_page(argument, *resonator, options);
   if (const auto instrument = instrument_argument(argument)) return instrument_page(argument, *instrument, options);
   if (const auto keyboard = keyboard_argument(argument)) return keyboard_page(argument, *keyboard, options);

@@ -67,6 +67,20 @@ std::string json_of(const Material& material, std::span<const ComparedFamily> fa
       material.name, mass_kg, slowest, fastest, fmt::join(rows, ",\n"));
 }
 
+std::string json_of(const RubbingSurfaces& surfaces) {
+  const auto& [bristles, heat] = surfaces.friction;
+  std::string text = fmt::format(
+      "{{\n  \"name\": \"{}\",\n  \"description\": {},\n  \"stiffness_per_m\": {},\n  \"damping_s_per_m\": {},\n",
+      surfaces.name, json_string(surfaces.description), bristles.stiffness_per_m, bristles.damping_s_per_m);
+  if (!surfaces.warms()) return text + fmt::format("  \"coefficient\": {}\n}}\n", heat.cold_coefficient);
+  return text + fmt::format(
+                    "  \"cold_coefficient\": {},\n  \"hot_coefficient\": {},\n  \"softening_k\": {},\n"
+                    "  \"capacity_j_per_n_k\": {},\n  \"conduction_w_per_n_k\": {},\n"
+                    "  \"renewal_w_per_m_k2\": {},\n  \"width_m\": {}\n}}\n",
+                    heat.cold_coefficient, heat.hot_coefficient, heat.softening_k, heat.capacity_j_per_n_k,
+                    heat.conduction_w_per_n_k, heat.renewal_w_per_m_k2, surfaces.width_m);
+}
+
 std::string json_of(const Resonator& resonator, double sample_rate_hz) {
   const ModeSet set = modes_of(resonator, sample_rate_hz / 2);
   std::vector<std::string> modes;

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "generator/material/friction_reader.hpp"
 #include "generator/resonator/keyboard.hpp"
 #include "generator/resonator/resonator.hpp"
 #include "generator/spline/design.hpp"
@@ -25,6 +26,9 @@ struct ComparedFamily {
   std::optional<SpectrumError> spectrum;
   std::optional<std::size_t> segments_for_1_percent, segments_for_01_percent;
 };
+
+/// The law of friction.
+[[nodiscard]] std::string json_of(const RubbingSurfaces& surfaces);
 
 /// A comparison of families of knots for a material, which must have an impact.
 [[nodiscard]] std::string json_of(const Material& material, std::span<const ComparedFamily> families);

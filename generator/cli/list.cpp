@@ -40,6 +40,18 @@ std::string materials() {
   return table;
 }
 
+std::string frictions() {
+  std::string table =
+      fmt::format("{:<20} {:>16} {:>6} {:>6}  {}\n", "name", "bristles [1/m]", "cold", "hot", "description");
+  for (const std::string& name : shipped_names(Shipped::kFrictions)) {
+    const RubbingSurfaces surfaces = friction_argument(name).value();
+    const auto& [bristles, heat] = surfaces.friction;
+    table += fmt::format("{:<20} {:>16.4g} {:>6.4g} {:>6.4g}  {}\n", name, bristles.stiffness_per_m,
+                         heat.cold_coefficient, heat.hot_coefficient, surfaces.description);
+  }
+  return table;
+}
+
 std::string resonators() {
   constexpr double kMaxFrequency = 22050;
   std::string table = fmt::format("{:<20} {:<9} {:>16}  {}\n", "name", "body", "first mode [Hz]", "description");
@@ -103,6 +115,7 @@ struct ShippedKind {
 };
 
 constexpr std::array kShippedKinds = {ShippedKind{"materials", Shipped::kMaterials, materials},
+                                      ShippedKind{"frictions", Shipped::kFrictions, frictions},
                                       ShippedKind{"resonators", Shipped::kResonators, resonators},
                                       ShippedKind{"keyboards", Shipped::kKeyboards, keyboards},
                                       ShippedKind{"instruments", Shipped::kInstruments, instruments},

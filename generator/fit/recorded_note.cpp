@@ -16,7 +16,6 @@ namespace {
 using std::numbers::pi;
 
 constexpr double kAfterOnset_s = 0.01, kMinWindow_s = 0.1, kMinPeriods = 8;
-constexpr double kOnset = 0.1;          // of the peak
 constexpr double kHighest = 0.45;       // of the sample rate
 constexpr double kStandingOut_db = 20;  // from what is beside a partial
 
@@ -52,9 +51,8 @@ class Window {
   Window(const RecordedSound& recording, const std::string& file, double lowest_hz)
       : rate_hz_(recording.sample_rate_hz), length_s_(std::max(kMinWindow_s, kMinPeriods / lowest_hz)) {
     require_sounding(recording, file);
-    const double peak = peak_of(recording.samples);
-    const auto onset =
-        std::ranges::find_if(recording.samples, [&](double sample) { return std::abs(sample) >= kOnset * peak; });
+    const auto onset = recording.samples.begin() +
+                       static_cast<std::ptrdiff_t>(std::max(0.0, onset_of(recording.samples, rate_hz_) * rate_hz_));
     const auto rest = static_cast<double>(recording.samples.end() - onset);
     const auto count = static_cast<std::ptrdiff_t>(length_s_ * rate_hz_);
     if (rest < (kAfterOnset_s + length_s_) * rate_hz_ + 1)
@@ -131,6 +129,22 @@ std::optional<double> level_of(const Window& window, const StruckResonator& stru
 }
 
 }  // namespace
+
+double onset_of(std::span<const double> samples, double sample_rate_hz) {
+  constexpr double kAverage_s = 0.005, kOnset = 0.01;
+  const auto window = static_cast<std::size_t>(kAverage_s * sample_rate_hz);
+  std::vector<double> sums;
+  double sum = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    sum += samples[i] * samples[i];
+    if (i >= window) sum -= samples[i - window] * samples[i - window];
+    sums.push_back(std::max(sum, 0.0));
+  }
+  const double least = kOnset * std::ranges::max(sums);
+  const auto found = std::ranges::find_if(sums, [&](double power) { return power >= least; });
+  const double before = found == sums.begin() ? 0 : found[-1];
+  return (static_cast<double>(found - sums.begin()) - (*found - least) / (*found - before)) / sample_rate_hz;
+}
 
 void require_sounding(const RecordedSound& recording, const std::string& file) {
   const double peak = peak_of(recording.samples);

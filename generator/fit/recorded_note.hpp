@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,15 +20,17 @@ struct RecordedSound {
 /// Decodes a sound file: what libsndfile reads, the mean of its channels. Throws BadInput, also for more channels.
 [[nodiscard]] RecordedSound read_recording(std::string_view bytes, const std::string& file, int max_channels = 1);
 
+/// When a note begins [s]: its power over 5 ms reaches 0.01 of its largest. samples: not all 0.
+[[nodiscard]] double onset_of(std::span<const double> samples, double sample_rate_hz);
+
 /// Throws BadInput if a recording is silent or saturated.
 void require_sounding(const RecordedSound& recording, const std::string& file);
 
 /// The levels of `partials` (places among the modes) or, without them, of all those with output that stand 20 dB out
 /// of what is beside them and below 0.45 of the sample rate. Each is measured at the peak of the spectrum within 3 %
 /// of its mode's frequency, in a Hann window that begins 10 ms after the onset and holds 8 periods of the lowest
-/// mode, 0.1 s or more; and is counted back to the onset, where the sound first reaches a tenth of its peak, by the
-/// mode's decay. Throws BadInput if the recording is silent, saturated or too short, or if a chosen partial is not in
-/// it.
+/// mode, 0.1 s or more; and is counted back to the onset by the mode's decay. Throws BadInput if the recording is
+/// silent, saturated or too short, or if a chosen partial is not in it.
 [[nodiscard]] std::vector<Blow::Level> levels_of(const RecordedSound& recording, const std::string& file,
                                                  const StruckResonator& struck,
                                                  const std::optional<std::vector<std::size_t>>& partials);

@@ -5,23 +5,22 @@
 #include <map>
 #include <utility>
 
+#include "generator/material/friction_reader.hpp"
+#include "generator/material/named_file.hpp"
+
 namespace contactspline {
 namespace {
 
 constexpr Range kWeight{1e-9, 1e9};
 constexpr Range kStiffness{0, 1e9};
 constexpr Range kResistance{0, 1e6};
-constexpr Range kCoefficient{ControlRanges<double>::friction_coefficient.min,
-                             ControlRanges<double>::friction_coefficient.max};
-constexpr Range kBristleStiffness{1e3, 1e9};
-constexpr Range kWidth{1e-4, 1};
-constexpr double kStiffBristles_per_m = 1e6, kHairWidth_m = 0.01;
+constexpr double kStiffBristles_per_m = 1e6;
 
 /// Reads connections, kind after kind.
 class ConnectionReader {
  public:
-  ConnectionReader(InstrumentDraft& draft, DesignedMaterials& materials, MovedMasses& masses)
-      : draft_(draft), model_(draft.model), materials_(materials), masses_(masses) {}
+  ConnectionReader(InstrumentDraft& draft, DesignedMaterials& materials, MovedMasses& masses, const ReadFile& read)
+      : draft_(draft), model_(draft.model), materials_(materials), masses_(masses), read_(read) {}
 
   void read() {
     for (const JsonObject& contact :
@@ -103,20 +102,19 @@ class ConnectionReader {
     return contact;
   }
 
-  static InstrumentFriction friction_of_material(const JsonObject& json) {
-    if (const std::string name = json.text("material", "rosin"); name != "rosin")
-      json.fail(json.key("material"), fmt::format("'{}' is no material of friction", shown(name)),
-                "rosin, or a coefficient in place of a material");
+  [[nodiscard]] InstrumentFriction friction_of_material(const JsonObject& json) const {
+    const NamedText named = read_named(json, "material", Shipped::kFrictions, read_);
+    const RubbingSurfaces surfaces = parse_friction(named.text, named.file);
     if (json.has("stiffness_per_m"))
       json.fail(json.key("stiffness_per_m"), "stands beside material", "beside coefficient");
-    return {kRosin, json.has("width_m") ? json.number("width_m", kWidth) : kHairWidth_m};
+    return {surfaces.friction, json.has("width_m") ? json.number("width_m", kRubbingWidth_m) : surfaces.width_m};
   }
 
   static InstrumentFriction constant_friction(const JsonObject& json) {
     if (json.has("width_m")) json.fail(json.key("width_m"), "stands beside coefficient", "beside material");
     const double stiffness =
-        json.has("stiffness_per_m") ? json.number("stiffness_per_m", kBristleStiffness) : kStiffBristles_per_m;
-    return {coulomb_friction(json.number("coefficient", kCoefficient), {.stiffness_per_m = stiffness})};
+        json.has("stiffness_per_m") ? json.number("stiffness_per_m", kBristleStiffness_per_m) : kStiffBristles_per_m;
+    return {coulomb_friction(json.number("coefficient", kFrictionCoefficient), {.stiffness_per_m = stiffness})};
   }
 
   // The places of a connection and its gaps.
@@ -173,14 +171,16 @@ class ConnectionReader {
   InstrumentModel& model_;
   DesignedMaterials& materials_;
   MovedMasses& masses_;
+  const ReadFile& read_;
   std::map<std::size_t, std::size_t> chains_;  // from a place to the next one that rigid links hold with it
   std::size_t connections_ = 0;
 };
 
 }  // namespace
 
-void read_connections(InstrumentDraft& draft, DesignedMaterials& materials, MovedMasses& masses) {
-  ConnectionReader(draft, materials, masses).read();
+void read_connections(InstrumentDraft& draft, DesignedMaterials& materials, MovedMasses& masses,
+                      const ReadFile& read) {
+  ConnectionReader(draft, materials, masses, read).read();
 }
 
 }  // namespace contactspline

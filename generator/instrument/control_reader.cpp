@@ -190,10 +190,12 @@ class ControlReader {
 
   // Where the middle of points may be that stay on their string.
   void narrow_to_string(const InstrumentPlace& place, Range& range) const {
-    const auto [first, last] = std::ranges::minmax(place.points, {}, &Place::position_m);
     const double length_m = extent_of(model_.bodies[place.body].resonator.body);
-    range.min = std::max(range.min, rounded_to(place.middle_m() - first.position_m, 13));
-    range.max = std::min(range.max, rounded_to(length_m - (last.position_m - place.middle_m()), 13));
+    for (const Place& point : place.points) {
+      const double offset_m = point.position_m - place.middle_m();
+      range.min = std::max(range.min, rounded_to(-offset_m, 13));
+      range.max = std::min(range.max, rounded_to(length_m - offset_m, 13));
+    }
   }
 
   static bool acts_at_next_note(const JsonObject& json, ControlQuantity quantity) {

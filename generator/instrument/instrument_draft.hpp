@@ -75,7 +75,4 @@ template <typename Objects>
   return static_cast<std::size_t>(found - objects.begin());
 }
 
-/// The one key of several that an object has. what: what they are.
-[[nodiscard]] std::string one_of_keys(const JsonObject& json, const std::vector<std::string>& keys, const char* what);
-
 }  // namespace contactspline

@@ -52,7 +52,7 @@ InstrumentModel parse_instrument(std::string_view text, std::string_view file, c
   MovedMasses masses(draft);
   read_names(draft);
   read_bodies(draft, read);
-  read_connections(draft, materials, masses);
+  read_connections(draft, materials, masses, read);
   read_controls(draft, masses);
   read_keys(draft);
   read_outputs(draft);

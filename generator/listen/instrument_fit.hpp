@@ -21,6 +21,7 @@ struct FoundNumber {
 /// How far a recording is from what is rendered.
 struct NoteDistance {
   double level_db;  ///< mean of the absolute differences of level
+  double noise_db;  ///< what noise alone leaves of them
   double cents;     ///< median of those of the partials; 0 where the recording has none
 };
 
@@ -32,11 +33,12 @@ struct FittedNote {
 struct InstrumentFit {
   std::vector<FoundNumber> numbers;  ///< of each open one
   std::vector<FittedNote> notes;     ///< of each recording
+  std::vector<std::string> doubts;   ///< lines that say what the instrument does not explain
 };
 
 /// Searches the open numbers by least squares from several starts (docs/how-to/fit.md). `tell` hears what is done
-/// now. Throws BadInput where the instrument cannot be made or played at the start, or where the strongest partial of
-/// a recording is 80 cents or more from what was found.
+/// now. Throws BadInput where the instrument cannot be made or played at the start, or as require_pitch()
+/// does.
 [[nodiscard]] InstrumentFit fit_instrument(const RecordedInstrument& recorded, const ReadFile& read,
                                            const std::function<void(const std::string&)>& tell);
 

@@ -8,12 +8,16 @@
 #include <numbers>
 #include <unsupported/Eigen/FFT>
 
+#include "generator/fit/recorded_note.hpp"
+
 namespace contactspline {
 namespace {
 
 constexpr double kWindow_s = 0.046, kBefore_s = 0.003;
 constexpr double kLowest_hz = 60, kHighest_hz = 16000, kHighest = 0.45;  // of the sample rate
 constexpr double kPartialsBegin_s = 0.02, kPartialsWindow_s = 0.4;
+
+constexpr double kDecibelsOfE = 10 / std::numbers::ln10;
 
 double decibels(double power) {
   return 10 * std::log10(power);
@@ -67,6 +71,16 @@ struct Band {
     double sum = 0;
     for (std::size_t i = 0; i < weights.size(); ++i) sum += weights[i] * bins[first + i];
     return sum;
+  }
+
+  // Of weights whose sum is 1, where noise correlates neighbouring bins behind a Hann window by 2/3 and 1/6.
+  [[nodiscard]] double freedom() const {
+    constexpr double kSquares[] = {1, 4.0 / 9, 1.0 / 36};
+    double squares = 0;
+    for (std::size_t i = 0; i < weights.size(); ++i)
+      for (std::size_t lag = 0; lag <= std::min<std::size_t>(i, 2); ++lag)
+        squares += (lag > 0 ? 2 : 1) * kSquares[lag] * weights[i] * weights[i - lag];
+    return 1 / squares;
   }
 };
 
@@ -133,9 +147,9 @@ std::vector<Partial> partials_of(std::span<const double> samples, std::size_t on
   return found;
 }
 
-// The mean power of each band before the onset, from the windows that fit there.
-std::vector<double> noise_before(Spectrum& spectrum, const std::vector<Band>& bands, std::span<const double> samples,
-                                 std::ptrdiff_t onset, std::ptrdiff_t window) {
+// Adds the mean power of each band before the onset, from the windows that fit there.
+void add_noise(NoteImpression& impression, Spectrum& spectrum, const std::vector<Band>& bands,
+               std::span<const double> samples, std::ptrdiff_t onset, std::ptrdiff_t window) {
   std::vector<double> noise(bands.size());
   double frames = 0;
   for (std::ptrdiff_t begin = onset - window; begin >= 0; begin -= window / 2) {
@@ -144,12 +158,32 @@ std::vector<double> noise_before(Spectrum& spectrum, const std::vector<Band>& ba
     ++frames;
   }
   for (double& power : noise) power /= std::max(frames, 1.0);
-  return noise;
+  impression.noise = std::move(noise);
+  impression.noise_frames = frames;
 }
 
-// A frame and a band of both impressions, as powers above the floor of the recording.
+/// A level, and how much noise scatters it.
+struct ExpectedLevel {
+  double level_db, noise_db;
+};
+
+/// A frame and a band of both impressions.
 struct Cell {
-  double recorded, rendered, beside;  ///< beside: what is added to both, noise to the rendered one alone
+  double recorded, rendered, noise, floor;
+  double freedom, noise_frames;
+
+  [[nodiscard]] double recorded_db() const { return decibels(recorded + floor); }
+
+  // The power of a sound of known power in noise has the mean and the variance of a sum of squares of normal numbers.
+  // As that of a gamma distribution its logarithm has the mean log(shape) + digamma and the variance trigamma, which
+  // are taken by their asymptotic series.
+  [[nodiscard]] ExpectedLevel expected(double gain) const {
+    const double sound = gain * rendered, all = sound + noise + floor;
+    const double spread = noise * (2 * sound + noise) / (freedom * all * all);  // 1/shape
+    const double of_estimate = noise_frames > 0 ? noise * noise / (freedom * noise_frames * all * all) : 0;
+    const double mean = -spread * (0.5 + spread / 12), variance = spread * (1 + spread * (0.5 + spread / 6));
+    return {decibels(all) + kDecibelsOfE * mean, kDecibelsOfE * std::sqrt(variance + of_estimate)};
+  }
 };
 
 template <typename Take>
@@ -157,7 +191,8 @@ void for_cells(const NoteImpression& recorded, const NoteImpression& rendered, c
   const double floor = recorded.loudest() * std::pow(10, NoteImpression::kFloor_db / 10);
   for (std::size_t i = 0; i < recorded.power.size(); ++i) {
     const double power = i < rendered.power.size() ? rendered.power[i] : 0;
-    take(Cell{recorded.power[i] + floor, power, recorded.noise[i % NoteImpression::kBands] + floor});
+    const std::size_t band = i % NoteImpression::kBands;
+    take(Cell{recorded.power[i], power, recorded.noise[band], floor, recorded.freedom[band], recorded.noise_frames});
   }
 }
 
@@ -165,22 +200,6 @@ void for_cells(const NoteImpression& recorded, const NoteImpression& rendered, c
 
 double NoteImpression::loudest() const {
   return std::ranges::max(power);
-}
-
-double onset_of(std::span<const double> samples, double sample_rate_hz) {
-  constexpr double kAverage_s = 0.005, kOnset = 0.01;
-  const auto window = static_cast<std::size_t>(kAverage_s * sample_rate_hz);
-  std::vector<double> sums;
-  double sum = 0;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    sum += samples[i] * samples[i];
-    if (i >= window) sum -= samples[i - window] * samples[i - window];
-    sums.push_back(std::max(sum, 0.0));
-  }
-  const double least = kOnset * std::ranges::max(sums);
-  const auto found = std::ranges::find_if(sums, [&](double power) { return power >= least; });
-  const double before = found == sums.begin() ? 0 : found[-1];
-  return (static_cast<double>(found - sums.begin()) - (*found - least) / (*found - before)) / sample_rate_hz;
 }
 
 NoteImpression impression_of(std::span<const double> samples, double sample_rate_hz, double seconds, double depth_db,
@@ -191,38 +210,44 @@ NoteImpression impression_of(std::span<const double> samples, double sample_rate
   const double exact_begin = (onset_of(samples, sample_rate_hz) - kBefore_s) * sample_rate_hz;
   const auto begin = static_cast<std::ptrdiff_t>(std::floor(exact_begin));
   const auto end = std::min(std::ssize(samples), begin + static_cast<std::ptrdiff_t>(seconds * sample_rate_hz));
-  NoteImpression impression{static_cast<double>(hop) / sample_rate_hz, {}, {}, {}, {}};
+  NoteImpression impression;
+  impression.frame_s = static_cast<double>(hop) / sample_rate_hz;
   Spectrum spectrum(window, window, exact_begin - static_cast<double>(begin));
-  for (const Band& band : bands) impression.band_hz.push_back(band.middle_hz);
+  for (const Band& band : bands) {
+    impression.band_hz.push_back(band.middle_hz);
+    impression.freedom.push_back(band.freedom());
+  }
   for (std::ptrdiff_t at = begin; at + static_cast<std::ptrdiff_t>(window) <= end; at += hop) {
     const std::vector<double>& power = spectrum.from(samples, at);
     for (const Band& band : bands) impression.power.push_back(band.power(power));
   }
-  impression.noise = noise_before(spectrum, bands, samples, begin, static_cast<std::ptrdiff_t>(window));
+  add_noise(impression, spectrum, bands, samples, begin, static_cast<std::ptrdiff_t>(window));
   impression.partials = partials_of(samples, static_cast<std::size_t>(std::max<std::ptrdiff_t>(begin, 0)),
                                     sample_rate_hz, depth_db, max_partials);
   return impression;
 }
 
-double gain_between(std::span<const NoteImpression* const> recorded,
-                    std::span<const NoteImpression* const> rendered) {
+double gain_between(const ComparedNotes& notes) {
   constexpr int kSteps = 8;
   double theirs = 0, ours = 0;
-  for (std::size_t n = 0; n < recorded.size(); ++n)
-    for_cells(*recorded[n], *rendered[n], [&](const Cell& cell) {
-      theirs += cell.recorded;
+  for (std::size_t n = 0; n < notes.recorded.size(); ++n)
+    for_cells(notes.recorded[n], notes.rendered[n], [&](const Cell& cell) {
+      theirs += cell.recorded + cell.floor;
       ours += cell.rendered;
     });
   double gain_db = decibels(theirs / ours);
   for (int step = 0; step < kSteps; ++step) {
     const double gain = std::pow(10, gain_db / 10);
     double slope = 0, squares = 0;  // of the levels rendered over the gain
-    for (std::size_t n = 0; n < recorded.size(); ++n)
-      for_cells(*recorded[n], *rendered[n], [&](const Cell& cell) {
-        const double all = gain * cell.rendered + cell.beside, weight = gain * cell.rendered / all;
-        slope += weight * decibels(cell.recorded / all);
-        squares += weight * weight;
+    for (std::size_t n = 0; n < notes.recorded.size(); ++n) {
+      std::size_t i = 0;
+      for_cells(notes.recorded[n], notes.rendered[n], [&](const Cell& cell) {
+        const double part = gain * cell.rendered / (gain * cell.rendered + cell.noise + cell.floor);
+        const double weight = notes.weights.empty() ? part : part * notes.weights[n][i++];
+        slope += weight * (cell.recorded_db() - cell.expected(gain).level_db);
+        squares += weight * part;
       });
+    }
     gain_db += slope / squares;
   }
   return gain_db;
@@ -233,7 +258,9 @@ NoteDifference compare(const NoteImpression& recorded, const NoteImpression& ren
   const double gain = std::pow(10, gain_db / 10);
   NoteDifference difference;
   for_cells(recorded, rendered, [&](const Cell& cell) {
-    difference.level_db.push_back(decibels(cell.recorded / (gain * cell.rendered + cell.beside)));
+    const ExpectedLevel expected = cell.expected(gain);
+    difference.level_db.push_back(cell.recorded_db() - expected.level_db);
+    difference.noise_db.push_back(expected.noise_db);
   });
   for (const Partial& partial : recorded.partials) {
     double nearest = kFarthest_cents;
@@ -246,15 +273,19 @@ NoteDifference compare(const NoteImpression& recorded, const NoteImpression& ren
   return difference;
 }
 
-double distance_db(const NoteImpression& recorded, const NoteImpression& rendered, double gain_db) {
-  const double floor = recorded.loudest() * std::pow(10, NoteImpression::kFloor_db / 10),
-               gain = std::pow(10, gain_db / 10);
-  double sum = 0;
-  for (std::size_t i = 0; i < recorded.power.size(); ++i) {
-    const double power = i < rendered.power.size() ? rendered.power[i] : 0;
-    sum += std::abs(decibels(std::max(recorded.power[i], floor) / std::max(gain * power, floor)));
-  }
-  return sum / static_cast<double>(recorded.power.size());
+LevelDistance level_distance(const NoteImpression& recorded, const NoteImpression& rendered, double gain_db) {
+  const double gain = std::pow(10, gain_db / 10), of_normal = std::sqrt(2 / std::numbers::pi);
+  LevelDistance sum{0, 0};
+  double count = 0;
+  for_cells(recorded, rendered, [&](const Cell& cell) {
+    const ExpectedLevel expected = cell.expected(gain);
+    if (std::max(cell.recorded, gain * cell.rendered + cell.noise) <= cell.floor) return;
+    sum.all_db += std::abs(cell.recorded_db() - expected.level_db);
+    sum.noise_db += of_normal * expected.noise_db;
+    ++count;
+  });
+  count = std::max(count, 1.0);
+  return {sum.all_db / count, sum.noise_db / count};
 }
 
 }  // namespace contactspline

@@ -18,15 +18,14 @@ struct NoteImpression {
 
   double frame_s;                 ///< between frames
   std::vector<double> band_hz;    ///< middles of the bands
+  std::vector<double> freedom;    ///< of each band: noise in it scatters like the mean of so many powers
   std::vector<double> power;      ///< frame by frame, of each band
   std::vector<double> noise;      ///< of each band before the note; 0 where nothing was recorded there
+  double noise_frames = 0;        ///< so many frames were recorded there
   std::vector<Partial> partials;  ///< by falling level
 
   [[nodiscard]] double loudest() const;
 };
-
-/// When a note begins [s]: its power over 5 ms reaches 0.01 of its largest. samples: not all 0.
-[[nodiscard]] double onset_of(std::span<const double> samples, double sample_rate_hz);
 
 /// The impression of a note from 3 ms before its onset on, over so many seconds or to the end of the samples: by Hann
 /// windows of about 46 ms, a quarter of that apart, in triangular bands from 60 Hz to 16 kHz or 0.45 of the sample
@@ -37,20 +36,31 @@ struct NoteImpression {
 
 /// How a rendered note differs from a recorded one.
 struct NoteDifference {
-  std::vector<double> level_db;  ///< recorded less rendered, of each frame and band
+  std::vector<double> level_db;  ///< of each frame and band: recorded less what is expected of the rendered one
+  std::vector<double> noise_db;  ///< so much the noise of the recording scatters each of them
   std::vector<double> cents;     ///< rendered to recorded: of each recorded partial, to the nearest rendered one
+};
+
+/// Notes that are compared, with the weight of each frame and band in the least squares of a gain; empty: all alike.
+struct ComparedNotes {
+  std::span<const NoteImpression> recorded, rendered;
+  std::span<const std::vector<double>> weights;
 };
 
 /// The gain [dB] that brings rendered notes nearest to recorded ones, in the least squares of their levels. Not all
 /// of them may be silent.
-[[nodiscard]] double gain_between(std::span<const NoteImpression* const> recorded,
-                                  std::span<const NoteImpression* const> rendered);
+[[nodiscard]] double gain_between(const ComparedNotes& notes);
 
-/// With this gain. To what is rendered are added the noise of the recording and its floor. An impression without
-/// partials is two octaves from all.
+/// With this gain. The noise of the recording and its floor are added to what is rendered, and the level expected of
+/// the sum is the mean of its logarithm. An impression without partials is two octaves from all.
 [[nodiscard]] NoteDifference compare(const NoteImpression& recorded, const NoteImpression& rendered, double gain_db);
 
-/// The mean of the absolute differences of level [dB], without what both have below the floor.
-[[nodiscard]] double distance_db(const NoteImpression& recorded, const NoteImpression& rendered, double gain_db);
+/// The mean of the absolute differences of level [dB] without frames and bands that both notes have below the floor,
+/// and what noise alone leaves of it.
+struct LevelDistance {
+  double all_db, noise_db;
+};
+[[nodiscard]] LevelDistance level_distance(const NoteImpression& recorded, const NoteImpression& rendered,
+                                           double gain_db);
 
 }  // namespace contactspline

@@ -9,39 +9,60 @@ namespace {
 
 constexpr std::size_t kBandsOfGroup = 4;
 constexpr double kTogether = 8;  // levels that tell as much as an independent one: windows and bands overlap
-constexpr double kLeast_db = 0.1, kLeastCents = 0.3;  // no scale is less
+constexpr double kFirst_db = 3;
+constexpr double kLeast_db = 0.1, kMost_db = 30, kLeastCents = 0.3;  // no scale is less or more
 
-double level_residual(double level_db, double far_db) {
-  return level_db / std::pow(1 + level_db * level_db / (far_db * far_db), 0.25);
+double level_residual(double scales, double far) {
+  return scales / std::pow(1 + scales * scales / (far * far), 0.25);
 }
 
 double cents_residual(double cents, double far_cents) {
   return cents / std::sqrt(1 + cents * cents / (far_cents * far_cents));
 }
 
+// The scale that all levels have beside their noise: with it the mean square of their residuals is 1.
+double common_scale(std::span<const NoteDifference> differences) {
+  constexpr int kHalvings = 30;
+  const auto is_too_small = [&](double scale_db) {
+    double squares = 0, count = 0;
+    for (const NoteDifference& difference : differences)
+      for (std::size_t i = 0; i < difference.level_db.size(); ++i, ++count)
+        squares += std::pow(difference.level_db[i] / std::hypot(scale_db, difference.noise_db[i]), 2);
+    return squares > count;
+  };
+  double low = kLeast_db, high = kMost_db;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = std::sqrt(low * high);
+    (is_too_small(middle) ? low : high) = middle;
+  }
+  return low;
+}
+
 }  // namespace
 
-std::vector<double> gains_of(std::span<const NoteImpression> recorded, std::span<const NoteImpression> rendered,
-                             bool has_common_gain) {
-  std::vector<const NoteImpression*> theirs, ours;
-  for (const NoteImpression& impression : recorded) theirs.push_back(&impression);
-  for (const NoteImpression& impression : rendered) ours.push_back(&impression);
-  if (has_common_gain) return std::vector<double>(recorded.size(), gain_between(theirs, ours));
+std::vector<double> gains_of(const NotesToMatch& notes, std::span<const NoteImpression> rendered) {
+  std::vector<std::vector<double>> weights = notes.scales.level_db;
+  for (std::vector<double>& of_note : weights)
+    for (double& weight : of_note) weight = 1 / (weight * weight);
+  const ComparedNotes all{notes.recorded, rendered, weights};
+  if (notes.has_common_gain) return std::vector<double>(notes.recorded.size(), gain_between(all));
   std::vector<double> gains;
-  for (std::size_t n = 0; n < recorded.size(); ++n)
-    gains.push_back(gain_between(std::span(theirs).subspan(n, 1), std::span(ours).subspan(n, 1)));
+  for (std::size_t n = 0; n < notes.recorded.size(); ++n)
+    gains.push_back(gain_between({all.recorded.subspan(n, 1), all.rendered.subspan(n, 1),
+                                  weights.empty() ? all.weights : all.weights.subspan(n, 1)}));
   return gains;
 }
 
-Residuals residuals_of(std::span<const NoteImpression> recorded, std::span<const NoteImpression> rendered,
-                       bool has_common_gain, const ResidualScales& scales) {
-  const std::vector<double> gains = gains_of(recorded, rendered, has_common_gain);
-  const double of_level = 1 / (scales.level_db * std::sqrt(kTogether));
+Residuals residuals_of(const NotesToMatch& notes, std::span<const NoteImpression> rendered) {
+  const std::vector<double> gains = gains_of(notes, rendered);
+  const ResidualScales& scales = notes.scales;
+  const double of_level = 1 / std::sqrt(kTogether);
   Residuals residuals;
-  for (std::size_t n = 0; n < recorded.size(); ++n) {
-    const NoteDifference difference = compare(recorded[n], rendered[n], gains[n]);
+  for (std::size_t n = 0; n < notes.recorded.size(); ++n) {
+    const NoteDifference difference = compare(notes.recorded[n], rendered[n], gains[n]);
     for (std::size_t i = 0; i < difference.level_db.size(); ++i) {
-      residuals.values.push_back(of_level * level_residual(difference.level_db[i], scales.far_db));
+      const double scale_db = scales.level_db.empty() ? kFirst_db : scales.level_db[n][i];
+      residuals.values.push_back(of_level * level_residual(difference.level_db[i] / scale_db, scales.far_levels));
       residuals.groups.push_back(residuals.group_count + i % NoteImpression::kBands / kBandsOfGroup);
     }
     residuals.group_count += NoteImpression::kBands / kBandsOfGroup;
@@ -53,25 +74,29 @@ Residuals residuals_of(std::span<const NoteImpression> recorded, std::span<const
   return residuals;
 }
 
-std::size_t count_residuals(std::span<const NoteImpression> recorded) {
+std::size_t count_residuals(const NotesToMatch& notes) {
   std::size_t count = 0;
-  for (const NoteImpression& impression : recorded) count += impression.power.size() + impression.partials.size();
+  for (const NoteImpression& impression : notes.recorded)
+    count += impression.power.size() + impression.partials.size();
   return count;
 }
 
-ResidualScales scales_of(std::span<const NoteImpression> recorded, std::span<const NoteImpression> rendered,
-                         bool has_common_gain, const ResidualScales& before) {
-  const std::vector<double> gains = gains_of(recorded, rendered, has_common_gain);
-  double levels = 0, level_squares = 0, partials = 0, cent_squares = 0;
-  for (std::size_t n = 0; n < recorded.size(); ++n) {
-    const NoteDifference difference = compare(recorded[n], rendered[n], gains[n]);
-    for (const double level_db : difference.level_db)
-      ++levels, level_squares += std::pow(level_residual(level_db, before.far_db), 2);
+void set_scales(NotesToMatch& notes, std::span<const NoteImpression> rendered) {
+  const std::vector<double> gains = gains_of(notes, rendered);
+  std::vector<NoteDifference> differences;
+  for (std::size_t n = 0; n < notes.recorded.size(); ++n)
+    differences.push_back(compare(notes.recorded[n], rendered[n], gains[n]));
+  const double scale_db = common_scale(differences);
+  notes.scales.level_db.clear();
+  double partials = 0, squares = 0;
+  for (const NoteDifference& difference : differences) {
+    notes.scales.level_db.emplace_back();
+    for (const double noise_db : difference.noise_db)
+      notes.scales.level_db.back().push_back(std::hypot(scale_db, noise_db));
     for (const double cents : difference.cents)
-      ++partials, cent_squares += std::pow(cents_residual(cents, before.far_cents), 2);
+      ++partials, squares += std::pow(cents_residual(cents, notes.scales.far_cents), 2);
   }
-  return {std::max(kLeast_db, std::sqrt(level_squares / levels)),
-          std::max(kLeastCents, std::sqrt(cent_squares / std::max(1.0, partials))), before.far_db, before.far_cents};
+  notes.scales.cents = std::max(kLeastCents, std::sqrt(squares / std::max(1.0, partials)));
 }
 
 }  // namespace contactspline

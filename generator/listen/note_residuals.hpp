@@ -12,10 +12,17 @@ namespace contactspline {
 
 /// What residuals are divided by, and where differences begin to count less.
 struct ResidualScales {
-  double level_db = 3;     ///< of a residual of 1
-  double cents = 3;        ///< the same
-  double far_db = 30;      ///< differences of level beyond count by their root
+  std::vector<std::vector<double>> level_db = {};  ///< of each note, frame and band; empty: 3
+  double cents = 3;
+  double far_levels = 10;  ///< differences of level beyond so many scales count by their root
   double far_cents = 400;  ///< differences of partials beyond count as much as this one
+};
+
+/// Notes that are recorded, with one gain for each or one for all, and how their residuals are scaled.
+struct NotesToMatch {
+  std::vector<NoteImpression> recorded;
+  bool has_common_gain = false;
+  ResidualScales scales = {};
 };
 
 /// Residuals of all notes, each with its group. Those of a group may depend on each other: four neighbouring bands of
@@ -26,21 +33,16 @@ struct Residuals {
   std::size_t group_count = 0;
 };
 
-/// recorded and rendered: of each note; with one gain for each note or one for all.
-[[nodiscard]] Residuals residuals_of(std::span<const NoteImpression> recorded,
-                                     std::span<const NoteImpression> rendered, bool has_common_gain,
-                                     const ResidualScales& scales);
+[[nodiscard]] Residuals residuals_of(const NotesToMatch& notes, std::span<const NoteImpression> rendered);
 
-/// How many residuals there are of these recordings.
-[[nodiscard]] std::size_t count_residuals(std::span<const NoteImpression> recorded);
+/// How many residuals there are.
+[[nodiscard]] std::size_t count_residuals(const NotesToMatch& notes);
 
 /// The gain of each note [dB].
-[[nodiscard]] std::vector<double> gains_of(std::span<const NoteImpression> recorded,
-                                           std::span<const NoteImpression> rendered, bool has_common_gain);
+[[nodiscard]] std::vector<double> gains_of(const NotesToMatch& notes, std::span<const NoteImpression> rendered);
 
-/// Scales by which the residuals of levels and those of partials have a mean square of 1 each.
-[[nodiscard]] ResidualScales scales_of(std::span<const NoteImpression> recorded,
-                                       std::span<const NoteImpression> rendered, bool has_common_gain,
-                                       const ResidualScales& before);
+/// Sets scales by which the residuals of levels and those of partials have a mean square of 1 each: of each level the
+/// scatter by noise, and one more that all have.
+void set_scales(NotesToMatch& notes, std::span<const NoteImpression> rendered);
 
 }  // namespace contactspline

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "generator/support/error.hpp"
@@ -10,7 +11,8 @@
 namespace contactspline {
 namespace {
 
-const std::vector<std::string> kOpenKeys{"fit", "start"};
+constexpr auto kFit = "fit";
+const std::vector<std::string> kOpenKeys{kFit, "start"};
 
 /// Walks through a text of JSON whose syntax is right, and knows the path of each object.
 class OpenNumberFinder {
@@ -52,24 +54,35 @@ class OpenNumberFinder {
     return text_.substr(begin, at_++ - begin);
   }
 
-  // Behind a brace: does the object there have the key of an open number first?
+  // Behind a brace: does the object there have the key `fit` of its own?
   bool is_open() {
     if (levels_.empty()) return false;
     const std::size_t behind = at_;
-    skip_blanks();
-    bool is = false;
-    for (const std::string& key : kOpenKeys) is |= text_.substr(at_).starts_with(fmt::format("\"{}\"", key));
+    const bool is = skip_object();
     at_ = behind;
     return is;
   }
 
+  // From behind a brace to behind the one that closes it. Returns whether it has the key `fit`.
+  bool skip_object() {
+    bool has_fit = false;
+    for (int depth = 1; depth > 0;) {
+      skip_blanks();
+      const char c = text_[at_];
+      if (c == '"') {
+        const std::string_view content = skip_string();
+        skip_blanks();
+        has_fit |= depth == 1 && content == kFit && text_[at_] == ':';
+        continue;
+      }
+      depth += (c == '{' || c == '[' ? 1 : 0) - (c == '}' || c == ']' ? 1 : 0);
+      ++at_;
+    }
+    return has_fit;
+  }
+
   void take_open(std::size_t begin) {
-    for (skip_blanks(); text_[at_] != '}'; skip_blanks())
-      if (text_[at_] == '"')
-        skip_string();
-      else
-        ++at_;
-    ++at_;
+    (void)skip_object();
     const std::string key = path();
     const JsonObject open =
         parse_json(text_.substr(begin, at_ - begin), fmt::format("{}: {}", file_, key), "number", kOpenKeys);
@@ -108,20 +121,27 @@ class OpenNumberFinder {
 }  // namespace
 
 double OpenNumber::at(double part) const {
-  if (bounds.min > 0) return bounds.min * std::pow(bounds.max / bounds.min, part);
+  if (bounds.min > 0)
+    return std::clamp(std::exp(std::lerp(std::log(bounds.min), std::log(bounds.max), part)), bounds.min, bounds.max);
   return bounds.min + (bounds.max - bounds.min) * part;
 }
 
 double OpenNumber::part_of(double number) const {
-  if (bounds.min > 0) return std::log(number / bounds.min) / std::log(bounds.max / bounds.min);
+  if (bounds.min > 0)
+    return (std::log(number) - std::log(bounds.min)) / (std::log(bounds.max) - std::log(bounds.min));
   return (number - bounds.min) / (bounds.max - bounds.min);
 }
 
 OpenNumber read_open_number(const JsonObject& open, const std::string& key) {
-  constexpr Range kAny{-1e300, 1e300};
+  constexpr Range kAny{-1e100, 1e100};
+  constexpr std::size_t kManyBounds = 64;
   constexpr auto kAllowed = "two rising numbers, such as [1, 2]";
-  const std::vector<double> bounds = open.numbers("fit", kAny, 2);
-  if (bounds.size() != 2) open.fail(open.key("fit"), "has 1 entry", kAllowed);
+  if (const std::string json = open.json("fit"); !json.starts_with('[') || json == "[]")
+    open.fail(open.key("fit"), "is not two numbers", kAllowed);
+  const std::vector<double> bounds = open.numbers("fit", kAny, kManyBounds);
+  if (bounds.size() != 2)
+    open.fail(open.key("fit"), fmt::format("has {} entr{}", bounds.size(), bounds.size() == 1 ? "y" : "ies"),
+              kAllowed);
   if (!(bounds[0] < bounds[1]))
     open.fail(open.key("fit"), fmt::format("{} and {} do not rise", bounds[0], bounds[1]), kAllowed);
   OpenNumber number{key, {bounds[0], bounds[1]}, 0};

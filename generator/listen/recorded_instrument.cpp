@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "generator/listen/note_doubts.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/json_syntax.hpp"
 
@@ -25,7 +26,7 @@ bool read_is_kept(const JsonObject& entry) {
 }
 
 // Stated, between bounds, or unknown.
-void read_velocity(const JsonObject& entry, RecordedKey& note, std::vector<OpenNumber>& open) {
+void read_velocity(const JsonObject& entry, RecordedNote& note, std::vector<OpenNumber>& open) {
   const std::string key = entry.key("velocity");
   const bool is_open = entry.has_object("velocity");
   if (entry.has("velocity") && !is_open) {
@@ -46,17 +47,21 @@ void read_recordings(const JsonObject& fit, const std::vector<JsonObject>& entri
                      RecordedInstrument& recorded) {
   for (const JsonObject& entry : entries) {
     const std::string path = entry.text("file", "a sound file of one or two channels, relative to the fit file");
-    RecordedKey note{path, entry.integer("key", 0, 127), 0, {}, read_is_kept(entry), {}};
+    RecordedNote note{path, entry.integer("key", 0, 127), 0, {}, read_is_kept(entry), {}};
     read_velocity(entry, note, recorded.open);
     note.recording = read_recording(read_for_key(fit.file(), entry.key("file"), path, read), path, 2);
-    require_sounding(note.recording, path);
     if (const double rate_hz = note.recording.sample_rate_hz; rate_hz < kMinRate_hz)
       refuse(path, "sample_rate_hz", fmt::format("is {:g}", rate_hz), fmt::format("{:g} or more", kMinRate_hz));
+    require_one_sound(note.recording, path);
     recorded.files.push_back(path);
     recorded.notes.push_back(std::move(note));
   }
-  if (std::ranges::all_of(recorded.notes, &RecordedKey::is_kept))
+  if (std::ranges::all_of(recorded.notes, &RecordedNote::is_kept))
     fit.fail("recordings", "all are kept", "one or more that are not");
+  const auto is_stated = [](const RecordedNote& note) { return !note.is_kept && !note.open_velocity; };
+  if (std::ranges::none_of(recorded.notes, is_stated))
+    fit.fail("recordings", "no fitted one states its velocity, for which gain and contact may stand as well",
+             "one or more that do, such as \"velocity\": 0.5");
 }
 
 }  // namespace

@@ -14,7 +14,7 @@
 namespace contactspline {
 
 /// A recorded note, and what plays it.
-struct RecordedKey {
+struct RecordedNote {
   std::string file;
   int key;                                   ///< of MIDI
   double velocity;                           ///< above 0 to 1
@@ -29,7 +29,7 @@ struct RecordedInstrument {
   std::vector<std::string> files;  ///< all that were read, relative to the fit file
   std::size_t open_in_text = 0;    ///< so many of the open numbers stand in the text; the others are velocities
   std::vector<OpenNumber> open;
-  std::vector<RecordedKey> notes;
+  std::vector<RecordedNote> notes;
   std::string output;            ///< its name; empty: the first
   double seconds = 1;            ///< of each note that are compared, from its onset on
   bool has_common_gain = false;  ///< else each recording has a gain of its own

@@ -18,6 +18,8 @@ std::span<const EmbeddedFile> embedded_files(Shipped folder) {
       return detail::embedded_templates();
     case Shipped::kMaterials:
       return detail::embedded_materials();
+    case Shipped::kFrictions:
+      return detail::embedded_frictions();
     case Shipped::kResonators:
       return detail::embedded_resonators();
     case Shipped::kKeyboards:

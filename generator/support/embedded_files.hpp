@@ -11,7 +11,7 @@
 namespace contactspline {
 
 /// A folder of embedded files.
-enum class Shipped { kTemplates, kMaterials, kResonators, kKeyboards, kInstruments, kScores };
+enum class Shipped { kTemplates, kMaterials, kFrictions, kResonators, kKeyboards, kInstruments, kScores };
 
 struct EmbeddedFile {
   std::string_view name;  ///< without the folder
@@ -23,6 +23,7 @@ namespace detail {
 // One function for each folder. The build writes their definitions (cmake/EmbedFiles.cmake).
 [[nodiscard]] std::span<const EmbeddedFile> embedded_templates();
 [[nodiscard]] std::span<const EmbeddedFile> embedded_materials();
+[[nodiscard]] std::span<const EmbeddedFile> embedded_frictions();
 [[nodiscard]] std::span<const EmbeddedFile> embedded_resonators();
 [[nodiscard]] std::span<const EmbeddedFile> embedded_keyboards();
 [[nodiscard]] std::span<const EmbeddedFile> embedded_instruments();

@@ -13,11 +13,12 @@
 namespace contactspline {
 namespace {
 
-constexpr std::array kKinds = {Shipped::kMaterials, Shipped::kResonators, Shipped::kKeyboards, Shipped::kInstruments,
-                               Shipped::kScores};
+constexpr std::array kKinds = {Shipped::kMaterials, Shipped::kFrictions,   Shipped::kResonators,
+                               Shipped::kKeyboards, Shipped::kInstruments, Shipped::kScores};
 
 // Keys that only files of this kind have. A score may also have the key "keyboard", so scores come first.
 constexpr const char* kOfMaterials[] = {"contact", "impact", "spline"};
+constexpr const char* kOfFrictions[] = {"bristles", "heat", "coefficient"};
 constexpr const char* kOfResonators[] = {"string", "bar",    "membrane", "plate",    "round_plate",
                                          "modes",  "strike", "pickup",   "max_modes"};
 constexpr const char* kOfScores[] = {"instrument", "duration_s", "voices", "events"};
@@ -32,6 +33,8 @@ std::string_view kind_name(Shipped folder) {
   switch (folder) {
     case Shipped::kMaterials:
       return "material";
+    case Shipped::kFrictions:
+      return "friction";
     case Shipped::kResonators:
       return "resonator";
     case Shipped::kKeyboards:
@@ -57,6 +60,7 @@ std::optional<Shipped> kind_of_file(std::string_view text, std::string_view file
   if (has_any(kOfScores)) return Shipped::kScores;
   if (has_any(kOfInstruments)) return Shipped::kInstruments;
   if (has_any(kOfKeyboards)) return Shipped::kKeyboards;
+  if (has_any(kOfFrictions)) return Shipped::kFrictions;
   if (has_any(kOfMaterials)) return Shipped::kMaterials;
   return {};
 }

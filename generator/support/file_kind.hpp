@@ -9,7 +9,7 @@
 
 namespace contactspline {
 
-/// The kind of the files in a folder: material, resonator, keyboard, instrument or score.
+/// The kind of the files in a folder: material, friction, resonator, keyboard, instrument or score.
 [[nodiscard]] std::string_view kind_name(Shipped folder);
 
 /// The kind that the keys of a JSON file show, or a score for MIDI; nothing if they show none. `what`, the kind that

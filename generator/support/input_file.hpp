@@ -12,6 +12,9 @@ namespace contactspline {
 /// larger than 1 MiB.
 [[nodiscard]] std::string read_input(const std::filesystem::path& path);
 
+/// The same up to so many MiB.
+[[nodiscard]] std::string read_large_input(const std::filesystem::path& path, int max_mib);
+
 /// What messages call standard input. No file that an argument or a key can name is called so.
 inline constexpr std::string_view kStandardInput = "standard input";
 

@@ -326,4 +326,14 @@ std::string read_license(const JsonObject& object) {
   return text;
 }
 
+std::string one_of_keys(const JsonObject& json, const std::vector<std::string>& keys, const char* what) {
+  std::vector<std::string> given;
+  std::ranges::copy_if(keys, std::back_inserter(given),
+                       [&](const std::string& key) { return json.has(key.c_str()); });
+  if (given.size() != 1)
+    json.fail(json.key(given.empty() ? keys.front() : given[1]), fmt::format("{} {} are given", given.size(), what),
+              fmt::format("just one of {}", fmt::join(keys, ", ")));
+  return given.front();
+}
+
 }  // namespace contactspline

@@ -76,6 +76,9 @@ class JsonObject {
 [[nodiscard]] JsonObject parse_json(std::string_view text, std::string_view file, std::string_view what,
                                     const std::vector<std::string>& allowed);
 
+/// The one key of several that an object has. what: what they are. Throws BadInput.
+[[nodiscard]] std::string one_of_keys(const JsonObject& json, const std::vector<std::string>& keys, const char* what);
+
 /// Reads the key `name`: a lower-case identifier for files and code. It must not be one of `taken`, the member names
 /// of the emitted struct.
 [[nodiscard]] std::string read_name(const JsonObject& object, std::span<const char* const> taken);

@@ -582,8 +582,8 @@ PYBIND11_MODULE(_core, m) {
     actions[name] = static_cast<int>(action);
   m.attr("actions") = actions;
   py::dict shipped;
-  for (const Shipped folder :
-       {Shipped::kMaterials, Shipped::kResonators, Shipped::kKeyboards, Shipped::kInstruments, Shipped::kScores})
+  for (const Shipped folder : {Shipped::kMaterials, Shipped::kFrictions, Shipped::kResonators, Shipped::kKeyboards,
+                               Shipped::kInstruments, Shipped::kScores})
     shipped[py::str(std::string(kind_name(folder)) + "s")] = shipped_names(folder);
   m.attr("shipped") = shipped;
 }

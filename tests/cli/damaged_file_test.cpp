@@ -40,6 +40,14 @@ TEST(DamagedCurve, GivesOutputOrOneReadableLine) {
                path.play, 100);
 }
 
+TEST(DamagedFriction, GivesOutputOrOneReadableLine) {
+  const Path& path = path_of("friction");
+  damage_files(shipped_texts(Shipped::kFrictions), path.file,
+               "\"name\" \"bristles\" \"heat\" \"coefficient\":0.5, \"width_m\":1, \"softening_k\":0.1, "
+               "\"hot_coefficient\" \"capacity_j_per_n_k\":1e-12, \"conduction_w_per_n_k\":0",
+               5'000, path.play);
+}
+
 TEST(DamagedResonator, GivesOutputOrOneReadableLine) {
   const Path& path = path_of("resonator");
   damage_files(with(shipped_texts(Shipped::kResonators), R"({ "name": "bell", "max_modes": 3, "modes": [

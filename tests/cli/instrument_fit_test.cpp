@@ -8,50 +8,13 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
-#include <random>
 #include <string>
 #include <vector>
 
-#include "program.hpp"
-#include "sandbox.hpp"
-#include "sound.hpp"
+#include "recorded_instrument.hpp"
 
 namespace contactspline::testing {
 namespace {
-
-/// A number of an instrument that is left open: its path, what it is, and how well the fit must find it.
-struct Open {
-  std::string key;
-  double truth, min, max, error;
-};
-
-struct Note {
-  int key;
-  double velocity;
-  bool is_kept = false;
-};
-
-/// An instrument file with @0, @1, ... in place of its open numbers.
-struct Known {
-  std::string test, file;
-  std::vector<Open> open;
-  std::vector<Note> notes;
-
-  [[nodiscard]] std::string with(bool is_open) const {
-    std::string text = file;
-    for (std::size_t i = 0; i < open.size(); ++i) {
-      const std::string mark = fmt::format("@{}", i);
-      const std::string number = is_open ? fmt::format(R"({{ "fit": [{}, {}] }})", open[i].min, open[i].max)
-                                         : fmt::format("{}", open[i].truth);
-      for (auto at = text.find(mark); at != text.npos; at = text.find(mark)) text.replace(at, mark.size(), number);
-    }
-    return text;
-  }
-};
-
-void PrintTo(const Known& known, std::ostream* stream) {
-  *stream << known.test;
-}
 
 const Known kKalimba{"Kalimba",
                      R"({ "name": "kalimba", "bodies": [
@@ -94,63 +57,6 @@ const Known kDrum{"Drum",
                    {"bodies[0].membrane.quadratic_loss_m2_per_s", 3e-3, 1e-3, 1e-2, 0.05},
                    {"places[0].position_m", 0.05, 0.02, 0.1, 0.02}},
                   {{45, 0.3}, {45, 0.9}, {45, 0.6, true}}};
-
-// A room of 0.2 s, 50 dB softer than the note, and noise 60 dB below its peak.
-std::vector<double> in_a_room(const std::vector<double>& dry, int rate, unsigned seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
-  const auto length = static_cast<std::size_t>(0.2 * rate);
-  std::vector<double> room, wet = dry;
-  double squares = 0, peak = 0;
-  for (std::size_t i = 0; i < length; ++i) {
-    room.push_back(i % 16 == 0 ? normal(random) * std::pow(10, -3.0 * double(i) / double(length)) : 0);
-    squares += room.back() * room.back();
-  }
-  for (const double sample : dry) peak = std::max(peak, std::abs(sample));
-  for (std::size_t k = 0; k < length; k += 16)
-    for (std::size_t i = k; i < wet.size(); ++i) wet[i] += 0.0032 * room[k] / std::sqrt(squares) * dry[i - k];
-  for (double& sample : wet) sample = 0.5 / peak * (sample + 1e-3 * peak * normal(random));
-  return wet;
-}
-
-// Each channel is half as loud as the one before.
-void write_sound(const fs::path& path, const std::vector<double>& samples, int rate, int channels = 1) {
-  SndfileHandle file(path.string(), SFM_WRITE, SF_FORMAT_WAV | SF_FORMAT_PCM_16, channels, rate);
-  std::vector<double> frames;
-  for (const double sample : samples)
-    for (int channel = 0; channel < channels; ++channel) frames.push_back(std::ldexp(sample, -channel));
-  ASSERT_EQ(file.writef(frames.data(), std::ssize(samples)), std::ssize(samples));
-}
-
-constexpr int kRate = 22050;
-
-// The notes as they would be recorded, and a fit file that names them.
-void record(const Sandbox& box, const Known& known, const std::string& more = "") {
-  write_file(box / "true.json", known.with(false));
-  write_file(box / "open.json", known.with(true));
-  std::string recordings;
-  for (std::size_t n = 0; n < known.notes.size(); ++n) {
-    const auto& [key, velocity, is_kept] = known.notes[n];
-    write_file(box / "score.json", fmt::format(R"({{ "instrument": "true.json", "duration_s": 0.9,
-                                 "events": [{{ "time_s": 0.2, "key": {}, "velocity": {} }}] }})",
-                                               key, velocity));
-    succeed(run(
-        {.arguments = {"render", "score.json", "--no-figure", "--rate", fmt::format("{}", kRate), "-o", "dry.wav"},
-         .folder = box.path()}));
-    const std::string name = fmt::format("note_{}.wav", n);
-    write_sound(box / name, in_a_room(read_sound(box / "dry.wav").samples, kRate, static_cast<unsigned>(n + 1)),
-                kRate, static_cast<int>(1 + n % 2));
-    recordings += fmt::format(R"({}{{ "file": "{}", "key": {}, "velocity": {}, "kept": {} }})", n > 0 ? ", " : "",
-                              name, key, velocity, is_kept);
-  }
-  write_file(
-      box / "my.fit.json",
-      fmt::format(R"({{ "instrument": "open.json", "recordings": [{}], "seconds": 0.5{} }})", recordings, more));
-}
-
-Outcome fitted(const Sandbox& box, const Words& more = {}) {
-  return run({.arguments = followed_by({"fit", "my.fit.json", "--json"}, more), .folder = box.path()});
-}
 
 class FittedInstrument : public ::testing::TestWithParam<Known> {};
 
@@ -223,8 +129,21 @@ std::vector<Bad> bad_fits() {
       {"silent", of_file("silent.wav"), "silent.wav: samples: the recording is silent", "a struck note"},
       {"clipped", of_file("clipped.wav"), "clipped.wav: samples: ", "below full scale"},
       {"short", of_file("short.wav"), "short.wav: samples: end less than 0.05 s", "0.1 s or more"},
-      {"wrong_pitch", of_file("sine.wav"), "sine.wav: samples: the strongest partial, of 1234 Hz, is ",
-       "wider bounds"},
+      {"wrong_pitch", of_file("sine.wav"),
+       "sine.wav: samples: the strong partials begin at 1234 Hz, those of key 69 ", "wider bounds"},
+      {"click_before", of_file("click.wav"), "click.wav: samples: something sounds 0.21 s before the note",
+       "without what is before it"},
+      {"constant", of_file("constant.wav"), "constant.wav: samples: the recording is silent", "a struck note"},
+      {"no_velocity", fit_of(R"("file": "sine.wav", "key": 69)"),
+       fit + "recordings: no fitted one states its velocity", "0.5"},
+      {"no_bounds", fit_of(good), stiffness + "fit: is not two numbers", "[1, 2]", with_stiffness(R"({ "fit": 1 })")},
+      {"three_bounds", fit_of(good), stiffness + "fit: has 3 entries", "[1, 2]",
+       with_stiffness(R"({ "fit": [1, 2, 3] })")},
+      {"huge_bounds", fit_of(good), stiffness + "fit[0]: -1e+300 is out of range", "1e+100",
+       with_stiffness(R"({ "fit": [-1e300, 1e300] })")},
+      {"fit_is_not_first", fit_of(good), stiffness + "note: unknown key", "fit, start",
+       with_stiffness(R"({ "note": "mine", "fit": [0.02, 0.05] })")},
+      {"start_alone", fit_of(good), stiffness, "number", with_stiffness(R"({ "start": 0.03 })")},
       {"unknown_key", fit_of(good, R"(, "rate": 1)"), fit + "rate: unknown key", "seconds"},
       {"unknown_key_of_a_note", fit_of(good + R"(, "pitch": 440)"), fit + "recordings[0].pitch: unknown key",
        "velocity"},
@@ -276,6 +195,11 @@ TEST_P(BadFitOfAnInstrument, IsRefusedInOneLineAndNothingIsWritten) {
   }
   write_sound(box / "sine.wav", sine, kRate);
   write_sound(box / "clipped.wav", clipped, kRate);
+  std::vector<double> click(sine.size() / 2);
+  click[click.size() - static_cast<std::size_t>(0.2 * kRate)] = 0.5;
+  click.insert(click.end(), sine.begin(), sine.end());
+  write_sound(box / "click.wav", click, kRate);
+  write_sound(box / "constant.wav", std::vector<double>(sine.size(), 0.25), kRate);
   write_sound(box / "three.wav", sine, kRate, 3);
   write_sound(box / "slow.wav", sine, 100);
   write_sound(box / "silent.wav", std::vector<double>(sine.size()), kRate);

@@ -52,6 +52,7 @@ TEST(List, HasATableForEachKind) {
   const std::string all = succeed({.arguments = {"list"}});
   for (const auto& [kind, folder] :
        std::vector<std::pair<std::string, Shipped>>{{"materials", Shipped::kMaterials},
+                                                    {"frictions", Shipped::kFrictions},
                                                     {"resonators", Shipped::kResonators},
                                                     {"keyboards", Shipped::kKeyboards},
                                                     {"instruments", Shipped::kInstruments},

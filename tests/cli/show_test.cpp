@@ -2,6 +2,7 @@
 // contactspline show: every file that ships, byte by byte.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <map>
 #include <string>
 
@@ -13,8 +14,11 @@
 namespace contactspline::testing {
 namespace {
 
+constexpr std::array kFolders = {Shipped::kMaterials, Shipped::kFrictions, Shipped::kResonators, Shipped::kKeyboards,
+                                 Shipped::kScores};
+
 TEST(Show, PrintsEveryFileThatShips) {
-  for (const Shipped folder : {Shipped::kMaterials, Shipped::kResonators, Shipped::kKeyboards, Shipped::kScores}) {
+  for (const Shipped folder : kFolders) {
     for (const EmbeddedFile& file : embedded_files(folder))
       EXPECT_TRUE(succeed({.arguments = {"show", std::string(file.name)}}) == file.content) << file.name;
     for (const std::string& name : shipped_names(folder))
@@ -27,7 +31,7 @@ TEST(Show, PrintsEveryFileThatShips) {
 // A name stands for one thing only.
 TEST(Show, FindsNoNameTwice) {
   std::map<std::string, int> names;
-  for (const Shipped folder : {Shipped::kMaterials, Shipped::kResonators, Shipped::kKeyboards, Shipped::kScores})
+  for (const Shipped folder : kFolders)
     for (const std::string& name : shipped_names(folder)) EXPECT_EQ(++names[name], 1) << name;
 }
 

@@ -357,7 +357,7 @@ TEST(FaustInstrument, OfThePreparedPianoRattlesAsTheClass) {
 // Without a contact, with one, and with springs that follow their controls.
 TEST(FaustInstrument, OfBodiesOnSpringsIsTheClass) {
   expect_same_sound<instruments::classical_guitar<double>, classical_guitar_double>(
-      10000, {{100, "pluck_finger", 1}, {5000, "hand_damping_per_s", 20}});
+      10000, {{100, "pluck_finger_d3", 1}, {5000, "hand_damping_per_s", 20}});
   expect_same_sound<instruments::marimba_tube<double>, marimba_tube_double>(
       10000, {{0, "air_stiffness_n_per_m", 2000}, {100, "strike_mallet", 1}});
 }

@@ -21,6 +21,7 @@
 #include "generator/emit/emit_resonator.hpp"
 #include "generator/emit/emitter.hpp"
 #include "generator/instrument/instrument_reader.hpp"
+#include "generator/material/friction_reader.hpp"
 #include "generator/player/midi_reader.hpp"
 #include "generator/player/score_player.hpp"
 #include "generator/player/score_reader.hpp"
@@ -123,6 +124,23 @@ void play_curve(std::string_view text) {
         {"spline", {{"knots", "uniform"}, {"segments", 64}, {"max_compression_m", 1e-4}}}};
     emit_and_bounce(design_material(material.dump(), kCurve, [&](const std::string&) { return std::string(text); }));
   }
+}
+
+// Rubs at a few speeds and forces, and slides for ten samples.
+void play_friction(std::string_view text) {
+  const RubbingSurfaces surfaces = parse_friction(text, kJson);
+  Friction<double> friction(surfaces.friction.bristles, kHz);
+  FrictionTemperature<double> temperature(surfaces.friction.heat, surfaces.width_m, kHz);
+  for (const double force : {0.0, 0.1, 100.0})
+    for (const double speed : {1e-3, 1.0, 1000.0}) {
+      if (force > 0) {
+        const double coefficient = steady_sliding(surfaces, speed, force).coefficient;
+        demand(coefficient >= 0 && coefficient <= 10, "a wrong coefficient");
+      }
+      const auto step = friction.tick({force, temperature.coefficient()}, speed / kHz, 1e-5);
+      temperature.advance(force, step.increment, friction.slip_heat());
+      demand(std::isfinite(step.force) && std::isfinite(temperature.temperature()), "friction is not finite");
+    }
 }
 
 void play_resonator(std::string_view text) {
@@ -281,6 +299,7 @@ void demand_notes(const MidiSong& song) {
 constexpr std::array kPaths = {
     Path{"material", kJson, [](std::string_view text) { read_material(text); }, play_material},
     Path{"curve", kCurve, read_curve, play_curve},
+    Path{"friction", kJson, [](std::string_view text) { (void)parse_friction(text, kJson); }, play_friction},
     Path{"resonator", kJson, [](std::string_view text) { (void)parse_resonator(text, kJson); }, play_resonator},
     Path{"keyboard", kJson, [](std::string_view text) { (void)parse_keyboard(text, kJson); }, play_keyboard},
     Path{"score", kJson, [](std::string_view text) { (void)read_score(text); },

@@ -18,7 +18,7 @@ struct Path {
   TakeBytes read, play;   ///< the reader alone; reader, design, emission and a short block of sound
 };
 
-/// Material, curve, resonator, keyboard, score, instrument and MIDI file.
+/// Material, curve, friction, resonator, keyboard, score, instrument and MIDI file.
 [[nodiscard]] std::span<const Path> paths();
 
 /// The path of that name. Throws std::out_of_range.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <vector>
 
@@ -145,6 +146,46 @@ TEST(StretchingFile, HearsNothingOfLongitudinalModesThatStop) {
     EXPECT_TRUE(sequences_within<double>(found[o], expected[o], 1e-9)) << o;
     EXPECT_FALSE(sequences_within<double>(fewer[o], expected[o], 1e-5)) << o;
   }
+}
+
+// Level [dB] of a frequency [rad/sample] over the whole of a sound, in a Hann window.
+double level_db(const std::vector<double>& sound, double frequency) {
+  std::complex<double> sum = 0;
+  for (std::size_t n = 0; n < sound.size(); ++n)
+    sum += sound[n] * (1 - std::cos(2 * kPi * double(n) / double(sound.size()))) *
+           std::polar(1.0, -frequency * double(n));
+  return 20 * std::log10(std::abs(sum));
+}
+
+// Phantom partials both ways: products of neighbouring modes push the first longitudinal mode at the sums of their
+// frequencies, which are odd multiples of the pitch, and it pulls the string. The even tension of a string that does
+// not move along itself knows nothing of them. Beside these sums there are partials, 4 to 30 Hz higher.
+TEST(StretchingFile, HasPhantomPartialsInTensionAndForce) {
+  const auto levels = [](std::size_t longitudinal) {
+    InstrumentModel model = parse_instrument(read_input(EXAMPLES_FOLDER "/bass_string.json"), "bass_string.json");
+    model.bodies[0].longitudinal = longitudinal;
+    const InstrumentArrays arrays = arrays_of(model, kRate / 2);
+    NetworkInstrument<double> instrument(arrays.view(), kRate);
+    instrument.strike(0, 5);
+    std::array<std::vector<double>, 2> sounds;
+    for (int n = 0; n < 2 * int(kRate); ++n) {
+      instrument.tick();
+      if (n > kRate / 10)
+        for (std::size_t o = 0; o < 2; ++o) sounds[o].push_back(instrument.output(o));
+    }
+    std::array<double, 2> found{-HUGE_VAL, -HUGE_VAL};  // the strongest of the sums
+    for (std::size_t m = 5; m < 10; ++m)
+      for (std::size_t o = 0; o < 2; ++o)
+        found[o] = std::max(
+            found[o],
+            level_db(sounds[o], (arrays.angular_frequencies[m] + arrays.angular_frequencies[m + 1]) / kRate));
+    return found;
+  };
+  const auto with = levels(6), without = levels(0);
+  EXPECT_GT(with[1], without[1] + 30);
+  EXPECT_GT(with[0], without[0] + 6);
+  Measured() << "phantom partials, tension: " << with[1] << " dB, " << without[1] << " without; force: " << with[0]
+             << " and " << without[0];
 }
 
 // The class that `generate` emits has the forms and the far end, too.

@@ -424,8 +424,8 @@ std::function<void(Record&)> instrument(std::size_t held_for) {
       if (held_for == 1 || n % held_for == 0)
         for (std::size_t i = 0; i < data.controls.size(); ++i)
           model.set(i, s->random.any(control_quantity<T>(data.controls[i].quantity).range));
-      for (std::size_t i = 0; n % (held_for > 1 ? held_for : 500) == 0 && i < data.strikes.size(); ++i)
-        model.strike(i, s->random.any({-100, 100}));
+      if (n % (held_for > 1 ? held_for : 500) == 0)
+        for (const Event& event : model.events()) play_event(model, event, s->random.any({-100, 100}));
       model.tick();
       for (std::size_t i = 0; i < data.sources.size(); ++i) record.demand_finite(model.output(i));
       take->close(model.work() - model.dissipated(), model.energy());

@@ -69,6 +69,13 @@ function keep(name, value) {
 
 const capital = (text) => text[0].toUpperCase() + text.slice(1);
 
+const joined = (first, second) => {
+  const all = new Uint8Array(first.length + second.length);
+  all.set(first);
+  all.set(second, first.length);
+  return all;
+};
+
 // When a key that is being struck may be let go.
 const heldFor = (struck) => struck.then(() => new Promise((done) => setTimeout(done, kShortest)));
 
@@ -178,7 +185,7 @@ class Page {
     const strings = this.engine.strings();
     this.engine.instruments().forEach((instrument, number) => {
       let bytes; // of a file, packed when it is first drawn
-      const packed = () => (bytes ??= this.engine.packed(number));
+      const packed = () => (bytes ??= this.packed(number, instrument.name));
       this.instruments.set(instrument.name, { ...instrument, number, strings, packed });
     });
     this.offerInstruments();
@@ -217,6 +224,12 @@ class Page {
     const [mass, hammer] = ["mass_barrier", kFirst].map((name) => this.instruments.get(name).parameters);
     background.ask("start", { modules: { ...modules, fd }, description, parameters: { mass, hammer }, sampleRate: kSampleRate });
     return background;
+  }
+
+  // The bytes of the instrument of a file that ships, with what is drawn of it, once the generator has started.
+  packed(number, name) {
+    const file = this.editor && this.engine.packed(number);
+    return file && joined(file, this.editor.generator.drawn(name, kSampleRate));
   }
 
   /** Sets the page to a state (state.js). What is no state is left out, and one line says so. */
@@ -523,7 +536,8 @@ class Page {
   study() {
     const asked = this.note();
     this.studies.begun = asked;
-    this.showStudy(this.studies.play(asked.instrument, asked.values, asked.note, asked), asked);
+    const played = this.studies.play(asked.instrument, asked.values, asked.note, asked);
+    if (played || this.background) this.showStudy(played, asked);
   }
 
   /** The note that was played last, or the first one. */

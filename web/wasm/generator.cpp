@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <exception>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -26,6 +27,7 @@
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
 #include "web/wasm/door.hpp"
+#include "web/wasm/draw_instrument.hpp"
 #include "web/wasm/packed_instrument.hpp"
 
 namespace contactspline::web {
@@ -35,7 +37,8 @@ using Json = nlohmann::ordered_json;
 
 std::map<std::string, std::string> files;  // what the page was given, by name
 
-Bytes instrument_bytes;  // of the last instrument
+Bytes instrument_bytes;  // of the last instrument, and what is drawn of it
+Bytes drawn_bytes;       // of the last instrument that ships
 
 std::string read_file(const std::string& path) {
   const auto given = files.find(path);
@@ -214,6 +217,7 @@ CONTACTSPLINE_WEB(const char*, contactspline_instrument, const char* text, const
     if (const auto body = silent_body(model, sample_rate_hz / 2))
       refuse(file, *body, fmt::format("has no mode below {} Hz", sample_rate_hz / 2), "a body that moves below it");
     instrument_bytes = packed(arrays_of(model, sample_rate_hz / 2).view());
+    std::ranges::copy(packed_drawing(model, sample_rate_hz / 2), std::back_inserter(instrument_bytes));
     return Json{{"name", model.name},
                 {"title", title_of(model)},
                 {"parts", instrument_table(model, sample_rate_hz)},
@@ -227,6 +231,20 @@ CONTACTSPLINE_WEB(const std::byte*, contactspline_instrument_bytes) {
 }
 CONTACTSPLINE_WEB(int, contactspline_instrument_size) {
   return static_cast<int>(instrument_bytes.size());
+}
+
+/// Packs what is drawn of an instrument that ships, with its modes below half of a sample rate; then
+/// contactspline_drawn_bytes() says where. Returns the number of bytes. The page frees `name`.
+CONTACTSPLINE_WEB(int, contactspline_drawn, const char* name, double sample_rate_hz) {
+  const std::string file = std::string(name) + ".json";
+  const EmbeddedFile* const found = find_embedded(Shipped::kInstruments, file);
+  drawn_bytes = {};
+  if (found != nullptr)
+    drawn_bytes = packed_drawing(parse_instrument(std::string(found->content), file, read_file), sample_rate_hz / 2);
+  return static_cast<int>(drawn_bytes.size());
+}
+CONTACTSPLINE_WEB(const std::byte*, contactspline_drawn_bytes) {
+  return drawn_bytes.data();
 }
 
 /// Reads so many bytes of a MIDI file. chosen: a bit for each channel, the lowest for channel 1; none: as `render`

@@ -19,60 +19,40 @@
 
 #include "contactspline/instrument/network_instrument.hpp"
 #include "contactspline/instrument/played_by_events.hpp"
-#include "web/wasm/body_shapes.hpp"
+#include "web/wasm/drawn_instrument.hpp"
 #include "web/wasm/study.hpp"
 
 namespace contactspline::web {
 
-/// The geometry of a network's places, as far as their shapes tell it.
+/// Where the places of a network are on its bodies, and how these are drawn.
 class NetworkGeometry {
  public:
-  explicit NetworkGeometry(const InstrumentData& data) : data_(data), strings_(data.body_ends.size()) {
-    for (std::size_t b = 0; b < data.body_ends.size(); ++b) {
-      discs_.push_back(DiscShapes::of(data, b));
-      bars_.push_back(BarShapes::of(data, b));
-    }
-    const std::size_t moving = data.place_bodies.size() - data.keyed.far_ends;
-    for (std::size_t p = 0; p < data.place_bodies.size(); ++p) {
-      const std::size_t body = data.place_bodies[p];
-      const auto shapes = data.shapes_of(p);
-      places_.push_back(p < moving ? along_string(shapes) : std::nullopt);
-      if (places_.back()) strings_[body] = true;
-      if (const auto& disc = discs_[body]) places_.back() = (1 + disc->along_diameter(shapes)) / 2;
-      if (const auto& bar = bars_[body]) places_.back() = bar->along(shapes);
-    }
-  }
+  NetworkGeometry(const InstrumentData& data, const DrawnInstrument& drawn) : data_(data), drawn_(drawn) {}
 
-  [[nodiscard]] bool is_string(std::size_t body) const { return strings_[body]; }
-  /// A free mass: its one mode does not oscillate.
-  [[nodiscard]] bool is_mass(std::size_t body) const {
-    return data_.modes_of(body) == 1 && data_.part_of(data_.angular_frequencies, body)[0] == 0;
+  [[nodiscard]] DrawnKind kind(std::size_t body) const { return drawn_.bodies[body].kind; }
+  [[nodiscard]] bool is_string(std::size_t body) const { return kind(body) == DrawnKind::kString; }
+  [[nodiscard]] bool is_mass(std::size_t body) const { return kind(body) == DrawnKind::kMass; }
+  /// The shapes of all modes at each point that is drawn.
+  [[nodiscard]] std::vector<ModeShapes<double>> points(std::size_t body) const {
+    const double* next = drawn_.shapes.data();
+    for (std::size_t b = 0; b < body; ++b) next += drawn_.bodies[b].points * data_.modes_of(b);
+    std::vector<ModeShapes<double>> points;
+    for (std::size_t p = 0; p < drawn_.bodies[body].points; ++p, next += data_.modes_of(body))
+      points.emplace_back(std::span(next, data_.modes_of(body)));
+    return points;
   }
-  [[nodiscard]] const std::optional<DiscShapes>& disc(std::size_t body) const { return discs_[body]; }
-  [[nodiscard]] const std::optional<BarShapes>& bar(std::size_t body) const { return bars_[body]; }
-  /// Part of the length, of a disc's diameter through the strike; nothing where the body has neither.
-  [[nodiscard]] std::optional<double> place(std::size_t place) const {
-    return place == kGround ? std::nullopt : places_[place];
+  /// Part of the length, of a disc's diameter; the middle where the body has neither.
+  [[nodiscard]] double at(std::size_t place) const {
+    const bool is_known = place < drawn_.places.size() && !std::isnan(drawn_.places[place]);
+    return is_known ? drawn_.places[place] : 0.5;
   }
   [[nodiscard]] std::size_t body(std::size_t place) const {
     return place == kGround ? kGround : data_.place_bodies[place];
   }
 
  private:
-  // Mode n of a hinged string has the shape sin(n angle) at one angle.
-  static std::optional<double> along_string(std::span<const double> shapes) {
-    if (shapes.size() < 10 || shapes[0] == 0) return {};
-    const double angle = std::acos(std::clamp(shapes[1] / (2 * shapes[0]), -1.0, 1.0));
-    for (std::size_t n = 0; n < 10; ++n)
-      if (std::abs(shapes[n] - std::sin(static_cast<double>(n + 1) * angle)) > 1e-6) return {};
-    return angle / std::numbers::pi;
-  }
-
   InstrumentData data_;
-  std::vector<bool> strings_;
-  std::vector<std::optional<DiscShapes>> discs_;  // of the bodies
-  std::vector<std::optional<BarShapes>> bars_;
-  std::vector<std::optional<double>> places_;
+  DrawnInstrument drawn_;
 };
 
 namespace detail {
@@ -108,13 +88,13 @@ struct NetworkBooks {
 };
 
 inline constexpr std::size_t kNetworkHead = 5;  // numbers before those of the items
-inline constexpr std::size_t kBarPoints = 33;
 
 /// What is read from a network in each frame: the sum of the forces of its contacts, its books, and what is drawn:
 /// the bodies that an event reaches by connections. Where a bow plays, the force is that of its friction.
 class NetworkFrames {
  public:
-  NetworkFrames(const InstrumentData& data, const Event& event) : data_(data), event_(event), geometry_(data) {
+  NetworkFrames(const InstrumentData& data, const DrawnInstrument& drawn, const Event& event)
+      : data_(data), event_(event), geometry_(data, drawn) {
     const std::vector<bool> reached = reached_bodies();
     for (std::size_t b = 0; b < data.body_ends.size(); ++b)
       if (reached[b]) add_body(b);
@@ -126,8 +106,12 @@ class NetworkFrames {
                  const NetworkBooks& books) const {
     const ContactNetwork<double>& network = instrument.network();
     const double imbalance = books.bodies + books.contacts + books.lost - books.work;
-    double force = event_.kind == EventKind::kBow ? 0 : instrument.contact_force();
-    for (const std::size_t k : rubbing_) force += std::abs(network.force(k));
+    double rubbed = 0, slip = 0;  // of all points of a bow: force, mean slip
+    for (const std::size_t k : rubbing_) {
+      rubbed += network.force(k);
+      slip += network.slip(k) / static_cast<double>(rubbing_.size());
+    }
+    const double force = event_.kind == EventKind::kBow ? std::abs(rubbed) : instrument.contact_force();
     numbers.insert(numbers.end(), {force, books.bodies, books.contacts, books.lost, imbalance});
     for (const Curve& curve : curves_)
       for (const auto& shapes : curve.points) numbers.push_back(network.body(curve.body).displacement(shapes));
@@ -135,10 +119,7 @@ class NetworkFrames {
       numbers.push_back(network.compression(k));
       numbers.push_back(network.force(k));
     }
-    for (const std::size_t k : rubbing_) {
-      numbers.push_back(network.force(k));
-      numbers.push_back(network.slip(k));
-    }
+    if (!rubbing_.empty()) numbers.insert(numbers.end(), {rubbed, slip});
   }
 
   [[nodiscard]] std::string scene(double work_j) const {
@@ -154,12 +135,7 @@ class NetworkFrames {
       items.push_back(contact_item(k, column));
       column += 2;
     }
-    for (const std::size_t k : rubbing_) {
-      items.push_back(fmt::format(R"({{"kind": "bow", "at": {:.17g}, "string": {}, "force": {}, "slip": {}}})",
-                                  at(data_.connections[k].second),
-                                  column_of(geometry_.body(data_.connections[k].second)), column, column + 1));
-      column += 2;
-    }
+    if (!rubbing_.empty()) items.push_back(bow_item(column));
     return fmt::format(
         R"({{"throws": {}, "moves": null, "plucks": {}, "force": 0, "energies": [], "isFlipped": {}, "items": [{}], )"
         R"("books": [["bodies", 1], ["contacts", 2], ["lost", 3]], "imbalance": 4, "work": {:.17g}}})",
@@ -218,33 +194,31 @@ class NetworkFrames {
   }
 
   void add_body(std::size_t b) {
-    const std::size_t modes = data_.modes_of(b);
     const bool is_thrown = std::ranges::find(data_.strikes, b) != data_.strikes.end();
     if (is_thrown && !is_struck_mass(b)) return;  // by another event
-    if (geometry_.is_string(b)) {
-      Curve& string = curves_.emplace_back(Curve{"string", b, {}, {}});
-      for (std::size_t p = 0; p < kPoints; ++p)
-        string.points.push_back(sines(modes, std::numbers::pi * static_cast<double>(p) / (kPoints - 1)));
-      string.more =
-          fmt::format(R"("hz": {:.6g})", data_.part_of(data_.angular_frequencies, b)[0] / (2 * std::numbers::pi));
-    } else if (const auto& disc = geometry_.disc(b)) {
-      curves_.push_back({"surface", b, disc_points(*disc),
-                         fmt::format(R"("rings": {}, "isPlate": {}, "isFree": {})", kRings, disc->is_plate(),
-                                     disc->has_free_rim())});
-    } else if (const auto& bar = geometry_.bar(b)) {
-      Curve& drawn = curves_.emplace_back(Curve{"bar", b, {}, R"("isBar": true)"});
-      for (std::size_t p = 0; p < kBarPoints; ++p)
-        drawn.points.push_back(bar->at(static_cast<double>(p) / (kBarPoints - 1)));
-    } else if (geometry_.is_mass(b)) {
-      add_mass(b);
-    } else {
-      add_held(b);
+    switch (const DrawnKind kind = geometry_.kind(b)) {
+      case DrawnKind::kNothing:
+        return add_held(b);
+      case DrawnKind::kMass:
+        return add_mass(b);
+      case DrawnKind::kString: {
+        const double hz = data_.part_of(data_.angular_frequencies, b)[0] / (2 * std::numbers::pi);
+        curves_.push_back({"string", b, geometry_.points(b), fmt::format(R"("hz": {:.6g})", hz)});
+        return;
+      }
+      case DrawnKind::kBar:
+        curves_.push_back({"bar", b, geometry_.points(b), R"("isBar": true)"});
+        return;
+      default:
+        curves_.push_back({"surface", b, geometry_.points(b),
+                           fmt::format(R"("rings": {}, "isPlate": {}, "isFree": {})", kRings,
+                                       kind != DrawnKind::kMembrane, kind == DrawnKind::kFreePlate)});
     }
   }
 
   // What the event throws, which its contact draws, or a weight at a string.
   void add_mass(std::size_t b) {
-    Curve mass{"", b, {ModeShapes<double>(std::vector<double>{1})}, {}};
+    Curve mass{"", b, geometry_.points(b), {}};
     for (const InstrumentConnection& c : data_.connections) {
       if (c.kind != ConnectionKind::kContact && c.kind != ConnectionKind::kSpring) continue;
       const std::size_t other = geometry_.body(c.first) == b    ? c.second
@@ -272,7 +246,7 @@ class NetworkFrames {
       for (const auto& [own, other] : {std::pair(c.first, c.second), std::pair(c.second, c.first)}) {
         if (geometry_.body(own) != b) continue;
         const std::size_t held_by = geometry_.body(other);
-        if (!geometry_.is_string(held_by) && !geometry_.bar(held_by)) continue;
+        if (!geometry_.is_string(held_by) && geometry_.kind(held_by) != DrawnKind::kBar) continue;
         curves_.push_back({geometry_.is_string(held_by) ? "board" : "tube",
                            b,
                            {ModeShapes<double>(data_.shapes_of(own))},
@@ -300,6 +274,15 @@ class NetworkFrames {
       const std::size_t body = geometry_.body(place);
       return body != kGround && geometry_.is_mass(body) && !is_struck_mass(body);
     });
+  }
+
+  // A bow in the middle of the points that it touches.
+  [[nodiscard]] std::string bow_item(std::size_t column) const {
+    double middle = 0;
+    for (const std::size_t k : rubbing_)
+      middle += at(data_.connections[k].second) / static_cast<double>(rubbing_.size());
+    return fmt::format(R"({{"kind": "bow", "at": {:.17g}, "string": {}, "force": {}, "slip": {}}})", middle,
+                       column_of(geometry_.body(data_.connections[rubbing_.front()].second)), column, column + 1);
   }
 
   // A mass that meets something, a stop in the way of a string, or two bodies that meet.
@@ -330,7 +313,7 @@ class NetworkFrames {
            });
   }
 
-  [[nodiscard]] double at(std::size_t place) const { return geometry_.place(place).value_or(0.5); }
+  [[nodiscard]] double at(std::size_t place) const { return geometry_.at(place); }
 
   InstrumentData data_;
   Event event_;
@@ -345,8 +328,8 @@ class NetworkFrames {
 inline constexpr double kBowed_s = 0.5;
 
 /// A key or an event of an instrument of a file. values: of its parameters.
-inline Study study_of_network(const InstrumentData& data, std::span<const double> values, std::size_t event,
-                              const StudyPlan& plan) {
+inline Study study_of_network(const InstrumentData& data, const DrawnInstrument& drawn,
+                              std::span<const double> values, std::size_t event, const StudyPlan& plan) {
   NetworkInstrument<double> instrument(data);
   instrument.prepare(plan.sample_rate_hz);
   for (const KeyRange& range : data.keyed.ranges) {
@@ -366,7 +349,7 @@ inline Study study_of_network(const InstrumentData& data, std::span<const double
     instrument.tick();
     books.follow(instrument);
   }
-  const detail::NetworkFrames frames(data, played);
+  const detail::NetworkFrames frames(data, drawn, played);
   for (std::size_t i = 0; i < plan.frames; ++i) {
     frames.append_to(study.numbers, instrument, books);
     instrument.tick();

@@ -57,6 +57,7 @@ class Packer {
 class Unpacker {
  public:
   explicit Unpacker(std::byte* next) : next_(next) {}
+  [[nodiscard]] std::byte* next() const { return next_; }
 
   template <typename T>
   void take(std::span<const T>& array) {
@@ -128,12 +129,16 @@ class UnpackedInstrument {
   explicit UnpackedInstrument(Bytes bytes) : bytes_(std::make_unique<Bytes>(std::move(bytes))) {
     packing::Unpacker unpacker(bytes_->data());
     packing::take_instrument(unpacker, data_);
+    rest_ = std::span(*bytes_).subspan(static_cast<std::size_t>(unpacker.next() - bytes_->data()));
   }
   [[nodiscard]] const InstrumentData& data() const { return data_; }
+  /// What follows the instrument.
+  [[nodiscard]] std::span<std::byte> rest() const { return rest_; }
 
  private:
   std::unique_ptr<Bytes> bytes_;
   InstrumentData data_{};
+  std::span<std::byte> rest_;
 };
 
 /// I, a class that plays InstrumentData, with the bytes of it.

@@ -62,7 +62,9 @@ std::vector<Studied> all_studied() {
       {"fret_string", kPluck_s, of_plucked<FretGuitar, resonators::guitar_d3>}};
   all.push_back({"of_file", kPluck_s, [](const StudyPlan& plan, std::size_t event) {
                    if (of_file.empty()) return Study{};
-                   return study_of_network(UnpackedInstrument(of_file).data(), values, event, plan);
+                   const UnpackedInstrument file(of_file);
+                   if (file.rest().empty()) return Study{};
+                   return study_of_network(file.data(), unpacked_drawn(file.rest().data()), values, event, plan);
                  }});
   return all;
 }
@@ -81,7 +83,7 @@ CONTACTSPLINE_WEB(int, studies_use_material, int segments, int memories, double 
 }
 
 /// Where the page writes so many bytes of the instrument of a file, which is called "of_file": packed by the
-/// generator's module.
+/// generator's module, with what is drawn behind it.
 CONTACTSPLINE_WEB(std::byte*, studies_file_instrument, int bytes) {
   of_file.resize(static_cast<std::size_t>(std::max(bytes, 1)));
   return of_file.data();

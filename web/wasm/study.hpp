@@ -22,6 +22,7 @@
 #include "contactspline/modal/bend.hpp"
 #include "contactspline/models/body.hpp"
 #include "contactspline/models/hammer_string.hpp"
+#include "web/wasm/drawn_instrument.hpp"
 #include "web/wasm/hammer_keys.hpp"
 
 namespace contactspline::web {
@@ -40,7 +41,7 @@ struct Study {
   std::string scene;
 };
 
-inline constexpr std::size_t kPoints = 97;  ///< of a string
+inline constexpr std::size_t kPoints = kStringPoints;
 
 namespace detail {
 

@@ -30,7 +30,7 @@ export function startEngine(module, sampleRate = 44100) {
     instruments: () => JSON.parse(textAt(exports, exports.engine_instruments())),
     /** Makes the instrument of a user's file the last one of all. */
     takeInstrument: (bytes) => writeInstrument(exports, exports.engine_own_instrument, bytes),
-    /** The bytes of the instrument of a file that ships, as generator.instrument() has them; nothing of another one. */
+    /** The bytes of the instrument of a file that ships, without what is drawn of it; nothing of another one. */
     packed(number) {
       const size = exports.engine_pack(number);
       return size === 0 ? undefined : new Uint8Array(exports.memory.buffer, exports.engine_packed(), size).slice();

@@ -46,6 +46,12 @@ export function startGenerator(module) {
       return { ...instrument, bytes: bytes.slice() };
     },
 
+    /** The bytes of what is drawn of an instrument that ships, for the studies: they follow those of engine.packed(). */
+    drawn(name, sampleRate) {
+      const size = withTexts(exports, [name], (at) => exports.contactspline_drawn(at, sampleRate));
+      return new Uint8Array(exports.memory.buffer, exports.contactspline_drawn_bytes(), size).slice();
+    },
+
     /** Reads a MIDI file, given as a Uint8Array: { title, remarks, end, channels, unchosen, messages: [{ time, bytes }] }
      * (web/wasm/generator.cpp), in seconds. channels: those to read, 1 to 16; instruments: midi_parts.js. Throws bad input. */
     readMidi(bytes, file, { channels = [], instruments } = {}) {

@@ -16,6 +16,7 @@
 #include "contactspline/network/network_plan.hpp"
 #include "contactspline/tangent/contact_gradient.hpp"
 #include "contactspline/tangent/force_equations.hpp"
+#include "contactspline/tangent/friction_backwards.hpp"
 #include "contactspline/tangent/mode_tangent.hpp"
 #include "contactspline/tangent/moving_places_backwards.hpp"
 #include "contactspline/tangent/network_adjoints.hpp"
@@ -55,6 +56,8 @@ class NetworkBackwards {
     }
     gradient_.motions.resize(record.motions.size());
     gradient_.pushes.resize(record.pushes.size());
+    frictions_.resize(plan.connections().size());
+    calls_ = record.rubbing_calls.size();
     gradient_.moves.resize(record.calls_follow.size());
     gradient_.starts.resize(plan.places().size());
   }
@@ -67,6 +70,10 @@ class NetworkBackwards {
       for (std::size_t n = count; n-- > 0;) step(first + n, n);
     }
     movers_.finish(gradient_.starts);
+    gradient_.normal_forces.resize(count_calls(false));
+    gradient_.surface_speeds.resize(count_calls(true));
+    std::ranges::reverse(gradient_.normal_forces);
+    std::ranges::reverse(gradient_.surface_speeds);
     finish_bodies();
     for (std::size_t k = 0; k < connections_.size(); ++k) finish_connection(k);
     return gradient_;
@@ -82,12 +89,15 @@ class NetworkBackwards {
   struct Connection {
     ContactBackwards<T> contact;
     T gap = 0, spring = 0, resistance = 0, force = 0;
+    T pressing = 0;  // adjoint of its force by the friction that it presses in the next sample
   };
 
   // Sample n back, which is this row of its block.
   void step(std::size_t n, std::size_t row) {
     const T *change = replay_.change(row), *displacement = replay_.displacement(row);
     const std::span<const Acting> acting = record_.in_sample(record_.acting, &Ends::acting, n);
+    for (const auto& rubbing : record_.in_sample(record_.rubbing, &Ends::rubbing, n))
+      frictions_[rubbing.connection].linearise(plan_.connections()[rubbing.connection], rate_, rubbing);
     places_.list(record_, n);
     movers_.enter(n);
     for (std::size_t p = 0; p < (std::min)(weights_.displacements.size(), places_.size()); ++p)
@@ -110,6 +120,7 @@ class NetworkBackwards {
     add_to_places(change, displacement);
     movers_.add_shapes(change, displacement);
     add_pushes(n);
+    add_rubbing_calls(n);
     if (movers_.leave(n, add_motions(n), gradient_))
       for (Connection& c : connections_) c.contact.jump();
   }
@@ -150,6 +161,16 @@ class NetworkBackwards {
     steps_.clear();
     for (const Acting& a : acting) {
       Connection& c = connections_[a.connection];
+      if (plan_.connections()[a.connection].friction) {
+        const FrictionBackwards<T>& friction = frictions_[a.connection];
+        press(a.connection, friction.of_increment(), &Place::after);
+        press(a.connection, -friction.of_increment(), &Place::before);
+        ContactSlopes<T> slopes;
+        slopes.before = -friction.response();
+        slopes.after = friction.response();
+        steps_.push_back({{}, slopes});
+        continue;
+      }
       if (plan_.connections()[a.connection].table.empty()) {
         const T half = solver_[a.connection].spring_n_per_m / 2, resistance = solver_[a.connection].resistance;
         ContactSlopes<T> slopes;
@@ -188,7 +209,9 @@ class NetworkBackwards {
     equations_.begin();
     for (std::size_t a = 0; a < acting.size(); ++a) {
       const auto& connection = plan_.connections()[acting[a].connection];
-      T& force = connections_[acting[a].connection].force = weight_of(weights_.forces, acting[a].connection, n);
+      T& force = connections_[acting[a].connection].force =
+          weight_of(weights_.forces, acting[a].connection, n) +
+          std::exchange(connections_[acting[a].connection].pressing, T(0));
       if (connection.first != kGround) force -= places_[connection.first].pushed;
       if (connection.second != kGround) force += places_[connection.second].pushed;
       equations_.add(acting[a].connection, steps_[a].slopes.after);
@@ -221,6 +244,11 @@ class NetworkBackwards {
       press(k, slopes.before * c.force, &Place::before);
       if (!plan_.connections()[k].table.empty()) {
         c.contact.push(sample, steps_[a], c.force);
+        continue;
+      }
+      if (plan_.connections()[k].friction) {
+        const T pressing = frictions_[k].push(c.force);
+        if (pressing != 0) connections_[plan_.connections()[k].pressed_by].pressing += pressing;
         continue;
       }
       c.spring += (sample.before + sample.after) / 2 * c.force;
@@ -260,6 +288,20 @@ class NetworkBackwards {
     for (std::size_t i = 0; i < pushes.size(); ++i)
       if (pushes[i].follows)
         gradient_.pushes[record_.ends[n].pushes - pushes.size() + i] = places_[pushes[i].place].pushed;
+  }
+
+  // What was set before the sample acts in all that follow, until it is set again.
+  void add_rubbing_calls(std::size_t n) {
+    for (; calls_ > 0 && record_.rubbing_calls[calls_ - 1].sample >= n; --calls_) {
+      const auto& call = record_.rubbing_calls[calls_ - 1];
+      const T adjoint = call.sample > n ? T(0) : frictions_[call.connection].take(call.is_speed);
+      (call.is_speed ? gradient_.surface_speeds : gradient_.normal_forces).push_back(call.follows ? adjoint : T(0));
+    }
+  }
+
+  [[nodiscard]] std::size_t count_calls(bool of_speed) const {
+    return static_cast<std::size_t>(
+        std::ranges::count(record_.rubbing_calls, of_speed, &Record::RubbingCall::is_speed));
   }
 
   // Before the sample: the motion of a mass that was set there does not depend on what was before. Were there any?
@@ -303,7 +345,8 @@ class NetworkBackwards {
 
   void finish_connection(std::size_t k) {
     const Connection& c = connections_[k];
-    ConnectionNumbers<T> numbers{c.contact.gradient(), c.gap, c.spring, c.resistance * static_cast<T>(rate_)};
+    ConnectionNumbers<T> numbers{c.contact.gradient(), c.gap, c.spring, c.resistance * static_cast<T>(rate_),
+                                 frictions_[k].numbers()};
     numbers.contact.stiffness_ratio *= plan_.connections()[k].weight;
     gradient_.numbers.connections.push_back(std::move(numbers));
   }
@@ -323,7 +366,9 @@ class NetworkBackwards {
   MovingPlaces<T> movers_;
   NetworkReplay<T> replay_;
   std::vector<Connection> connections_;
-  std::vector<ContactStepBack> steps_;  // of each connection that acts
+  std::vector<FrictionBackwards<T>> frictions_;  // of all connections
+  std::size_t calls_ = 0;                        // of normal forces and surface speeds, from here back
+  std::vector<ContactStepBack> steps_;           // of each connection that acts
   ForceEquations<T> equations_;
   std::vector<T> right_;
   NetworkGradient<T> gradient_;

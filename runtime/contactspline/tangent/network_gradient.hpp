@@ -32,12 +32,14 @@ namespace contactspline {
 template <std::floating_point T>
 class RecordedNetwork {
  public:
-  /// The plan must outlive this. None of its bodies stretches (RecordedStretching), none of its connections is
-  /// friction.
+  /// The plan must outlive this. None of its bodies stretches (RecordedStretching), and none of its friction is at a
+  /// place that moves along a string.
   RecordedNetwork(const NetworkPlan<T>& plan, double sample_rate_hz)
       : plan_(plan), rate_(sample_rate_hz), model_(plan, sample_rate_hz) {
     for (std::size_t k = 0; k < plan.connections().size(); ++k)
       if (!plan.connections()[k].memories.empty()) remembering_.push_back(k);
+    for (std::size_t k = 0; k < plan.connections().size(); ++k)
+      if (plan.connections()[k].friction) frictions_.push_back({k});
     remembered_.resize(remembering_.size());
     last_increments_.resize(plan.connections().size());
     mover_of_.resize(plan.places().size());
@@ -65,6 +67,18 @@ class RecordedNetwork {
     record_.pushes.push_back({place, held(T(0), force_n, Ranges::force_n), is_within(force_n, Ranges::force_n)});
   }
 
+  /// ContactNetwork::set_normal_force and set_surface_speed, with the same rules.
+  void set_normal_force(std::size_t connection, T force_n) {
+    if (!is_number(force_n)) return;
+    model_.set_normal_force(connection, force_n);
+    record_.rubbing_calls.push_back({samples(), connection, false, is_within(force_n, Ranges::normal_force_n)});
+  }
+  void set_surface_speed(std::size_t connection, T speed_m_per_s) {
+    if (!is_number(speed_m_per_s)) return;
+    model_.set_surface_speed(connection, speed_m_per_s);
+    record_.rubbing_calls.push_back({samples(), connection, true, is_within(speed_m_per_s, Ranges::speed_m_per_s)});
+  }
+
   /// ContactNetwork::put_place, with the same rules: beyond the ends of the string its derivative is 0, and if it is
   /// not a number the gradient leaves it out.
   void put_place(std::size_t place, T place_m) {
@@ -88,14 +102,16 @@ class RecordedNetwork {
     mover.is_called = true;
   }
 
-  /// Advances one sample. Allocates now and then: the record grows with time, in double by 24 bytes a sample, 72 for
-  /// each spring and each contact that touches or remembers, 24 for each push, 40 for each place that moves and 1/8
-  /// for each mode, 3/16 if the plan has places that may move.
+  /// Advances one sample. Allocates now and then: the record grows with time, in double by 32 bytes a sample, 72 for
+  /// each spring and each contact that touches or remembers, 128 for each friction, 24 for each push, 40 for each
+  /// place that moves and 1/8 for each mode, 3/16 if the plan has places that may move.
   void tick() {
     if (record_.ends.size() % detail::NetworkRecord<T>::kBlock == 0) keep_state();
     for (std::size_t i = 0; i < remembering_.size(); ++i)
       remembered_[i] = model_.solver()[remembering_[i]].memory.remembered();
+    for (Rubbing& rubbing : frictions_) begin_friction(rubbing);
     model_.tick();
+    for (Rubbing& rubbing : frictions_) keep_friction(rubbing);
     for (const std::size_t k : model_.solver().active()) {
       const auto& connection = plan_.connections()[k];
       if (connection.memories.empty() && (connection.table.empty() || touches(k))) keep(k, {});
@@ -104,7 +120,8 @@ class RecordedNetwork {
       if (remembered_[i].line() > 0 || touches(remembering_[i])) keep(remembering_[i], remembered_[i].values());
     }
     for (std::size_t m = 0; m < movers_.size(); ++m) keep_move(m);
-    record_.ends.push_back({record_.acting.size(), record_.pushes.size(), record_.motions.size()});
+    record_.ends.push_back(
+        {record_.acting.size(), record_.pushes.size(), record_.motions.size(), record_.rubbing.size()});
   }
 
   [[nodiscard]] const ContactNetwork<T>& model() const { return model_; }
@@ -126,6 +143,23 @@ class RecordedNetwork {
     std::size_t call = detail::NetworkRecord<T>::kAsBefore;
     bool is_called = false, has_moved = false;
   };
+
+  using Rubbing = typename detail::NetworkRecord<T>::Rubbing;
+
+  // What friction keeps before a sample, and whether another connection presses it.
+  void begin_friction(Rubbing& rubbing) {
+    const Friction<T>& friction = model_.solver()[rubbing.connection].friction;
+    rubbing.before = {friction.strain(), model_.temperature(rubbing.connection), friction.normal_force()};
+    const std::size_t by = plan_.connections()[rubbing.connection].pressed_by;
+    rubbing.is_pressed = by != kNoConnection && model_.force(by) > 0;
+  }
+  void keep_friction(Rubbing& rubbing) {
+    const auto& connection = model_.solver()[rubbing.connection];
+    rubbing.normal_force = connection.friction.normal_force();
+    rubbing.increment = connection.friction_step.increment;
+    rubbing.follows = rubbing.normal_force < Ranges::normal_force_n.max;
+    record_.rubbing.push_back(rubbing);
+  }
 
   void add_mover(std::size_t p) {
     const auto& place = plan_.places()[p];
@@ -181,6 +215,7 @@ class RecordedNetwork {
   detail::NetworkRecord<T> record_;
   std::vector<std::size_t> remembering_;                 // contacts with a memory
   std::vector<detail::RememberedForces<T>> remembered_;  // by them before a sample
+  std::vector<Rubbing> frictions_;                       // in the sample that plays
   // Of each connection, over the sample before. Where it did not touch then it is older, and its loss is 0.
   std::vector<T> last_increments_;
   std::vector<Mover> movers_;

@@ -11,14 +11,16 @@
 #include "contactspline/data/stretch_form.hpp"
 #include "contactspline/modal/mode.hpp"
 #include "contactspline/tangent/contact_gradient.hpp"
+#include "contactspline/tangent/friction_tangent.hpp"
 
 namespace contactspline {
 
-/// One value for each number of a connection, as in ContactNumbers.
+/// One value for each number of a connection, as in ContactNumbers and FrictionNumbers.
 template <std::floating_point T>
 struct ConnectionNumbers {
   ContactNumbers<T> contact = {};
   T gap_m = 0, spring_n_per_m = 0, resistance_n_s_per_m = 0;
+  FrictionNumbers<T> friction = {};
 };
 
 /// One value for each number of a network, in the order of its plan. What is missing at the end of a vector is 0, and
@@ -52,7 +54,8 @@ struct NetworkWeights {
 };
 
 /// The gradient of a sum: with respect to the numbers of a network, and to what RecordedNetwork::set_motion(),
-/// push(), and put_place() together with move_place() were given, in the order of the calls. Of a place that moves
+/// push(), set_normal_force(), set_surface_speed(), and put_place() together with move_place() were given, in the
+/// order of the calls. Of a place that moves
 /// along a string, `numbers` has the shapes where it begins, until it moves.
 template <std::floating_point T>
 struct NetworkGradient {
@@ -62,6 +65,7 @@ struct NetworkGradient {
   NetworkNumbers<T> numbers;
   std::vector<Motion> motions;
   std::vector<T> pushes;
+  std::vector<T> normal_forces, surface_speeds;
   std::vector<T> moves;   ///< [1/m]
   std::vector<T> starts;  ///< for each place, if it moves: by where it begins, through its shapes and all later moves
 };
@@ -79,7 +83,7 @@ template <std::floating_point T>
   const T connections =
       detail::sum_over(gradient.connections, direction.connections, [](const Connection& a, const Connection& b) {
         return derivative(a.contact, b.contact) + a.gap_m * b.gap_m + a.spring_n_per_m * b.spring_n_per_m +
-               a.resistance_n_s_per_m * b.resistance_n_s_per_m;
+               a.resistance_n_s_per_m * b.resistance_n_s_per_m + derivative(a.friction, b.friction);
       });
   using Forms = std::vector<StretchForm>;
   const double forms = detail::sum_over(gradient.forms, direction.forms, [](const Forms& a, const Forms& b) {

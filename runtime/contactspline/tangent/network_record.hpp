@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "contactspline/tangent/contact_gradient.hpp"
+#include "contactspline/tangent/friction_tangent.hpp"
 
 namespace contactspline {
 
@@ -36,6 +37,19 @@ struct NetworkRecord {
     T displacement, increment;
     bool displacement_follows, velocity_follows;
   };
+  // Friction in a sample: what it kept before, what pressed it, and its increment. follows: not where the normal
+  // force is at an end of its range; is_pressed: by the connection of the plan, too.
+  struct Rubbing {
+    std::size_t connection;
+    FrictionState<T> before;
+    T normal_force, increment;
+    bool follows, is_pressed;
+  };
+  // A normal force or a surface speed that was set before a sample.
+  struct RubbingCall {
+    std::size_t sample, connection;
+    bool is_speed, follows;
+  };
   // A place that moves, in a sample over which it moves or in the next one; or one that is put elsewhere before a
   // sample. call: which call of RecordedNetwork said so; kAsBefore: none, so that the place follows where it was.
   static constexpr std::size_t kAsBefore = (std::numeric_limits<std::size_t>::max)();
@@ -46,12 +60,14 @@ struct NetworkRecord {
   };
   /// How many there are up to the end of a sample.
   struct Ends {
-    std::size_t acting = 0, pushes = 0, motions = 0;
+    std::size_t acting = 0, pushes = 0, motions = 0, rubbing = 0;
   };
 
   std::vector<Acting> acting;  // springs, and contacts that press, are compressed or remember
   std::vector<Push> pushes;
   std::vector<Motion> motions;
+  std::vector<Rubbing> rubbing;  // all friction, in each sample
+  std::vector<RubbingCall> rubbing_calls;
   std::vector<Ends> ends;  // one for each sample
   std::vector<Move> moves;
   std::vector<char> calls_follow;   // does each call that moved a place follow? Not if it was beyond its range

@@ -18,14 +18,14 @@
 #include "contactspline/tangent/bodies_tangent.hpp"
 #include "contactspline/tangent/contact_tangent.hpp"
 #include "contactspline/tangent/force_equations.hpp"
+#include "contactspline/tangent/friction_tangent.hpp"
 #include "contactspline/tangent/network_numbers.hpp"
 
 namespace contactspline {
 
 /// A ContactNetwork with its derivatives with respect to P parameters. Controls stay as the plan says, rigid links
 /// keep their stiffness. Once put_place() or move_place() has moved a place or its slopes, the shapes there change
-/// with the place alone, not by what the directions say of them. No body of the plan stretches (StretchingTangent),
-/// no connection is friction.
+/// with the place alone, not by what the directions say of them. No body of the plan stretches (StretchingTangent).
 template <std::floating_point T, std::size_t P>
 class NetworkTangent {
  public:
@@ -78,8 +78,21 @@ class NetworkTangent {
     bodies_.push(place, held(Number(), force_n, Ranges::force_n));
   }
 
+  /// ContactNetwork::set_normal_force and set_surface_speed, with the rules of set_motion().
+  void set_normal_force(std::size_t connection, const Number& force_n) {
+    model_.set_normal_force(connection, force_n.value);
+    Number& normal = connections_[connection].normal;
+    normal = held(normal, force_n, Ranges::normal_force_n);
+  }
+  void set_surface_speed(std::size_t connection, const Number& speed_m_per_s) {
+    model_.set_surface_speed(connection, speed_m_per_s.value);
+    Number& speed = connections_[connection].surface_speed;
+    speed = held(speed, speed_m_per_s, Ranges::speed_m_per_s);
+  }
+
   /// Advances one sample. Does not allocate.
   void tick() {
+    press();
     measure_followed();
     bodies_.move_places(model_);
     model_.tick();
@@ -95,6 +108,7 @@ class NetworkTangent {
     bodies_.advance(model_);
     for (const std::size_t k : listed_)
       if (is_contact(k)) connections_[k].contact.relax(connections_[k].before, connections_[k].compression);
+    for (const std::size_t k : frictions_) end_friction(k);
   }
 
   [[nodiscard]] const ContactNetwork<T>& model() const { return model_; }
@@ -104,15 +118,17 @@ class NetworkTangent {
   }
   /// Force of a connection over the last sample [N].
   [[nodiscard]] const Number& force(std::size_t connection) const { return connections_[connection].force; }
-  /// [m], negative while apart.
+  /// [m], negative while apart; of friction the strain of its bristles.
   [[nodiscard]] Number compression(std::size_t connection) const {
     const Connection& c = connections_[connection];
+    if (is_friction(connection)) return c.rubbed.strain;
     return {model_.compression(connection), (c.is_measured ? c.compression : measured(connection)).slopes};
   }
 
  private:
   using Ranges = ControlRanges<T>;
   using Directions = std::array<NetworkNumbers<T>, P>;
+  using Friction = detail::FrictionSample<T, P>;
   // Compressions follow by increments. Their slopes are measured anew after so many samples, so that their roundings
   // do not add up.
   static constexpr std::size_t kMeasured = 64;
@@ -124,6 +140,9 @@ class NetworkTangent {
     ContactControls<T> controls;
     Number gap, spring, resistance;
     bool is_followed, is_measured = false;
+    typename Friction::Numbers material;  // of friction, as all that follow but the force and what moves it
+    Number normal = {}, pressed = {}, surface_speed = {};  // by the control, and in all, held to the range
+    detail::FrictionState<Number> rubbed = {};
     Number before = {}, compression = {}, force = {}, free = {};
     T response = 0;
   };
@@ -132,11 +151,13 @@ class NetworkTangent {
     const auto& plan = plan_.connections()[k];
     const CoupledConnection<T>& acting = model_.solver()[k];
     std::array<ContactNumbers<T>, P> contacts;
+    std::array<FrictionNumbers<T>, P> frictions;
     Number gap(plan.gap_m), spring(acting.spring_n_per_m), resistance(acting.resistance);
     for (std::size_t p = 0; p < P; ++p) {
       if (k >= directions[p].connections.size()) continue;
       const ConnectionNumbers<T>& direction = directions[p].connections[k];
       contacts[p] = direction.contact;
+      frictions[p] = direction.friction;
       contacts[p].stiffness_ratio *= plan.weight;
       gap.slopes[p] = direction.gap_m;
       spring.slopes[p] = direction.spring_n_per_m;
@@ -147,11 +168,39 @@ class NetworkTangent {
                             gap,
                             spring,
                             resistance,
-                            plan.table.empty() || moves(plan.first) || moves(plan.second)});
+                            plan.table.empty() || moves(plan.first) || moves(plan.second),
+                            false,
+                            {}});
+    if (!plan.friction) return;
+    frictions_.push_back(k);
+    connections_.back().material =
+        detail::with_slopes<T, P>(FrictionNumbers<T>::of(*plan.friction, plan.friction_width_m), frictions);
   }
 
   [[nodiscard]] bool moves(std::size_t place) const { return place != kGround && bodies_.moves(place); }
   [[nodiscard]] bool is_contact(std::size_t k) const { return !plan_.connections()[k].table.empty(); }
+  [[nodiscard]] bool is_friction(std::size_t k) const { return plan_.connections()[k].friction.has_value(); }
+  [[nodiscard]] Friction friction(const Connection& c) const {
+    return {c.material, 1 / double(time_step_), c.rubbed, c.pressed};
+  }
+
+  // What presses friction in this sample: its control, and the force of the sample before of what presses it.
+  void press() {
+    for (const std::size_t k : frictions_) {
+      Connection& c = connections_[k];
+      c.pressed = c.normal;
+      const std::size_t by = plan_.connections()[k].pressed_by;
+      if (by != kNoConnection && connections_[by].force.value > 0)
+        c.pressed = held(Number(), c.pressed + connections_[by].force, Ranges::normal_force_n);
+    }
+  }
+  // The values are the model's: of what is kept, too, so that roundings do not add up.
+  void end_friction(std::size_t k) {
+    Connection& c = connections_[k];
+    c.rubbed = friction(c).advance({model_.solver()[k].friction_step.increment, c.free.slopes});
+    c.rubbed.strain.value = model_.solver()[k].friction.strain();
+    c.rubbed.temperature.value = model_.temperature(k);
+  }
 
   // Lets all compressions be measured anew, as the network does: they may jump.
   void place_all() {
@@ -210,6 +259,10 @@ class NetworkTangent {
           c.force = response.force;
           c.response = response.stiffness;
         }
+      } else if (is_friction(k)) {
+        const auto response = friction(c).respond(model_.solver()[k].friction_step.increment);
+        c.force = {force, response.force.slopes};
+        c.response = response.stiffness;
       } else {
         const T change = after - before, middle = before + change / 2;
         for (std::size_t p = 0; p < P; ++p)
@@ -225,7 +278,9 @@ class NetworkTangent {
   void solve() {
     equations_.begin();
     for (const std::size_t k : listed_) {
-      connections_[k].free = between(k, [&](std::size_t q) -> const Number& { return bodies_.moved(q, model_); });
+      Connection& c = connections_[k];
+      c.free = between(k, [&](std::size_t q) -> const Number& { return bodies_.moved(q, model_); });
+      if (is_friction(k)) c.free = c.free + Number(time_step_) * c.surface_speed;
       equations_.add(k, connections_[k].response);
     }
     equations_.factorise(model_.solver());
@@ -244,6 +299,7 @@ class NetworkTangent {
       const Number moved = increment(k);
       for (std::size_t p = 0; p < P; ++p) connections_[k].compression.slopes[p] += moved.slopes[p];
     }
+    for (const std::size_t k : frictions_) connections_[k].free = increment(k);
   }
   // Slopes of the increment of a connection, under the slopes that the forces have by now.
   [[nodiscard]] Number increment(std::size_t k) const {
@@ -260,6 +316,7 @@ class NetworkTangent {
   T time_step_;
   detail::BodiesTangent<T, P> bodies_;
   std::vector<Connection> connections_;
+  std::vector<std::size_t> frictions_;
   std::vector<std::size_t> listed_;  // connections whose compression is followed in this sample
   detail::ForceEquations<T> equations_;
   std::vector<Number> increments_;  // for the connections that respond

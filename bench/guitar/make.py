@@ -1,0 +1,314 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""Makes the files of the guitars, with parts that are fitted to recorded notes.
+
+    make.py fit PROGRAM classical_guitar|fret_guitar RECORDINGS FILE
+    make.py distance PROGRAM FILE FITTED KEPT
+
+PROGRAM is contactspline. RECORDINGS, FITTED and KEPT hold SOURCE/KEY.wav, single notes of open strings at 44.1 kHz under their
+keys of MIDI. `fit` writes FILE. It searches by least squares from where a search ended: losses, where the strings are plucked, of
+the classical guitar masses, decays and shapes of the body's modes and how strongly they sound outside, above 1.3 kHz a curve
+over the frequency; of the fret guitar where its magnet is, and how the modes of the amplifier sound. What is made small are,
+for each note,
+
+    differences of log-mel spectrograms: 48 bands from 60 Hz to 12 or 10 kHz, each note of the same A-weighted loudness, down to 60 dB below
+        the recording's largest value, means over 46 ms
+    differences of the levels of partials 1 to 20 over 0.7 s, less their median
+    logarithms of the ratios of the decays of these partials from 40 to 500 ms
+
+Fitted: E2, A2, D3, G3, B3 and E4 of Nylon Guitar of FluidR3 GM (fluid-soundfont-gm, MIT) and of tonejs-instrument-guitar-nylon
+(npm; CC-BY 3.0); E2, D3, G3 and E4 of Clean Guitar of FluidR3 GM. Kept: Nylon Guitar and Clean Electric Guitar of freepats (GPL-2
+with an exception for music), A2 and B3 of Clean Guitar, tonejs-instrument-guitar-electric.
+
+`distance` prints medians over the notes: of log-mel spectrograms, of levels of partials and of the ratios of the decays of
+partials from 40 to 500 ms, for the recordings that were fitted and for those that were kept.
+"""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.signal import fftconvolve
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from notes import RATE, a_weighting, from_onset, mel, read, recorded, rounded, text_of
+
+LENGTH, SADDLE = 0.66, 0.648
+LEVELS, DECAYS = 1.5, 3.5  # how much a decibel of a partial and an octave of its decay count beside a decibel of the spectrograms
+# Of each string: key, mass [kg/m] of a usual set, modes, and the inharmonicity of its partials in the recordings that are fitted.
+STRINGS = {"e2": (40, 6.24e-3, 60, 2.8e-5), "a2": (45, 3.61e-3, 50, 1.67e-5), "d3": (50, 1.95e-3, 42, 1.32e-5),
+           "g3": (55, 9.0e-4, 34, 1.55e-4), "b3": (59, 5.2e-4, 30, 6.3e-5), "e4": (64, 3.8e-4, 26, 3.6e-5)}
+# Of each low mode: frequency [Hz], decay [1/s], mass [kg], shape at the saddle.
+LOW = [(170, 17.8, 0.1, 1), (245, 19.2, 0.25, 0.25), (320, 25.1, 0.2, -0.7), (390, 30.6, 0.2, 0.5), (470, 36.9, 0.25, -0.4),
+       (560, 39.1, 0.2, 0.6), (680, 47.5, 0.25, -0.5), (830, 57.9, 0.25, 0.45), (1010, 70.5, 0.25, -0.4), (1230, 85.9, 0.3, 0.35)]
+KNOTS = [1300, 1800, 2600, 3700, 5300]  # of the curve [Hz]
+USUAL = {**{f"constant_{s}": 0.8 for s in STRINGS}, **{f"quadratic_{s}": 6e-4 for s in STRINGS}, "plucked": 0.16, "low_mass": 1, "high_mass": 1,
+         "decay": 1, **{f"shape_{f}": abs(shape) for f, _, _, shape in LOW}, **{f"heard_{f}": 1 for f in [f for f, *_ in LOW] + KNOTS}}
+# Where a search ended that began at the usual ones.
+BEGIN = {**USUAL, "constant_e2": 0.527, "constant_a2": 0.239, "constant_d3": 0.596, "constant_g3": 0.272, "constant_b3": 1.83,
+         "constant_e4": 2.65, "quadratic_e2": 0.000263, "quadratic_a2": 0.000437, "quadratic_d3": 0.00039, "quadratic_g3": 0.000925,
+         "quadratic_b3": 0.000668, "quadratic_e4": 0.000254, "plucked": 0.184, "low_mass": 1.04, "high_mass": 1.57, "decay": 1.67,
+         "shape_170": 0.768, "shape_245": 0.14, "shape_320": 0.252, "shape_390": 0.595, "shape_470": 0.239, "shape_560": 0.688, "shape_680":
+         0.772, "shape_830": 0.301, "shape_1010": 0.469, "shape_1230": 0.737, "heard_170": 1.87, "heard_245": 4.23, "heard_320": 7.42,
+         "heard_390": 10.5, "heard_470": 4.36, "heard_560": 6.64, "heard_680": 4.57, "heard_830": 1.23, "heard_1010": 12, "heard_1230": 1.02,
+         "heard_1300": 2.8, "heard_1800": 1.47, "heard_2600": 7.34, "heard_3700": 0.857, "heard_5300": 3.63}
+RANGES = {"constant": (0.2, 4), "quadratic": (1e-5, 5e-3), "plucked": (0.08, 0.3), "low_mass": (0.4, 4), "high_mass": (0.3, 6), "decay": (0.5, 3),
+          "shape": (0.05, 3), "heard": (0.003, 300)}
+FAR = 4  # differences of partials beyond these decibels count by their size, not by its square
+INHARMONICITY = {of[0]: of[3] for of in STRINGS.values()}  # where partials are looked for; those of the fret guitar are near enough
+CONE = [120, 250, 600, 1400, 2800, 5000]  # modes of the amplifier [Hz]
+FRET_USUAL = {"constant": 2, "quadratic": 3e-4, "plucked": 0.5, "magnet": 0.6, **{f"cone_{f}": 1 for f in CONE}}
+FRET_BEGIN = {"constant": 1.58, "quadratic": 4.77e-4, "plucked": 0.42, "magnet": 0.609, "cone_120": -1.043, "cone_250": -6.233,
+              "cone_600": 4.467, "cone_1400": -1.76, "cone_2800": 5.267, "cone_5000": -0.118}
+FRET_RANGES = {"constant": (0.5, 6), "quadratic": (2e-5, 2e-3), "plucked": (0.38, 0.61), "magnet": (0.47, 0.63), "cone": (-8, 8)}
+FRET_HEADER = """\
+// The D string of a guitar, 146.8 Hz, which buzzes on a stiff fret near its end, as in the score fret_buzz: the louder the note,
+// the longer it buzzes. Keys tune it by its tension. A magnet near the bridge moves the modes of an amplifier, which is so light that
+// the string does not feel it: pickup, filter and loudspeaker in one. Fitted to E2, D3, G3 and E4 of Clean Guitar of FluidR3 GM (MIT),
+// by least squares of differences of log-mel spectrograms, partials and decays: losses of the string, the places of
+// finger and magnet, and how each mode sounds.
+"""
+HEADER = """\
+// Six nylon strings on a guitar's body, each plucked by a finger; they also sound with each other. A string runs over the saddle,
+// 0.648 m from its end, to the tie behind it. Masses are those of a usual set. Body after Christensen and Vistisen
+// (J. Acoust. Soc. Am. 68, 1980): the lowest mode of the top and the air in the sound hole are two masses
+// on the spring of the enclosed air, rho c^2 A^2/V, V = 14 l, A = 0.05 m^2 of the top. The mass of the air, rho S (0.0025 m + 1.7 a)
+// for a hole of a = 43 mm, counts times (A/S)^2, because its displacement here is that of a piston as large as the top. The higher
+// modes of the top stand for such bodies in general; from 1.3 kHz on there is one for each 90 Hz.
+// Written by bench/guitar/make.py, which says how: stiffness and losses of the strings, where they are plucked, masses, decays and
+// shapes of the modes, and how they are heard are fitted to recorded notes of FluidR3 GM (MIT) and of tonejs-instrument-guitar-nylon
+// (CC-BY 3.0).
+"""
+
+
+def modes():
+    """Frequency, decay, mass, shape at the saddle and sign outside of each mode."""
+    random = np.random.default_rng(1)
+    found = [(f, decay, mass, shape, 1 if shape > 0 else -1) for f, decay, mass, shape in LOW]
+    f = 1230
+    while f < 5200:
+        f += 90 * random.uniform(0.7, 1.3)
+        found.append((f, np.pi * f / random.uniform(30, 50), 0.2, random.choice([-1, 1]) * random.uniform(0.35, 0.75), random.choice([-1, 1])))
+    return found
+
+
+def heard(p, f):
+    """How strongly a mode sounds outside. The low ones have numbers of their own."""
+    if f"heard_{f}" in p:
+        return p[f"heard_{f}"]
+    return np.exp(np.interp(np.log(f), np.log(KNOTS), [np.log(p[f"heard_{k}"]) for k in KNOTS]))
+
+
+def number(x, digits=3):
+    x = rounded(x, digits)
+    return int(x) if x == int(x) else x
+
+
+def guitar(p, names=tuple(STRINGS)):
+    bodies, places, links, controls, keys = [], [], [], [], []
+    for s in names:
+        key, mass_per_m, max_modes, b = STRINGS[s]
+        f = 440 * 2 ** ((key - 69) / 12)
+        tension = mass_per_m * (2 * SADDLE * f) ** 2
+        bodies.append({"name": s, "string": {"length_m": LENGTH, "mass_kg": number(mass_per_m * LENGTH, 5), "tension_n": number(tension / (1 + b), 6),
+                                             "bending_stiffness_n_m2": number(b * tension * SADDLE ** 2 / np.pi ** 2),
+                                             "constant_loss_per_s": number(p[f"constant_{s}"]), "quadratic_loss_m2_per_s": number(p[f"quadratic_{s}"])},
+                       "max_modes": max_modes})
+        places += [{"name": f"{s}_plucked", "body": s, "position_m": number(SADDLE - p["plucked"])}, {"name": f"{s}_over_saddle", "body": s, "position_m": SADDLE}]
+        links.append({"name": f"{s}_bridge", "between": [f"{s}_over_saddle", "saddle"]})
+        controls.append({"name": f"finger_{s}", "force_n": f"{s}_plucked", "min": -20, "max": 20, "release_n": 4})
+    table = modes()
+    bodies.append({"name": "top", "modes": [{"frequency_hz": number(f, 5), "decay_per_s": number(decay * p["decay"]),
+                                             "mass_kg": number(mass * (1 if f == 170 else p["low_mass"] if f <= 1230 else p["high_mass"]))} for f, decay, mass, _, _ in table]})
+    bodies.append({"name": "air", "mass_kg": 0.03904})
+    places += [{"name": "saddle", "body": "top", "shapes": [number(np.sign(shape) * p.get(f"shape_{f}", abs(shape))) for f, _, _, shape, _ in table]},
+               {"name": "inwards", "body": "top", "shapes": [-1] + [0] * (len(table) - 1)},
+               {"name": "heard", "body": "top", "shapes": [number(sign * heard(p, f)) for f, _, _, _, sign in table]}]
+    springs = [{"name": "cavity", "between": ["inwards", "air"], "stiffness_n_per_m": 25210}, {"name": "hole", "between": ["air", "ground"], "resistance_n_s_per_m": 1.25}]
+    controls += [{"name": "cavity", "stiffness_n_per_m": "cavity", "max": 100000}, {"name": "hand", "damping_per_s": list(names), "max": 1000}]
+    lows = [STRINGS[s][0] for s in names]
+    for i, s in enumerate(names):
+        keys.append({"first": lows[i] - (2 if s == "e2" else 0), "last": lows[i + 1] - 1 if i + 1 < len(names) else lows[i] + 19,
+                     "event": f"pluck_finger_{s}", "tuned_key": lows[i], "string": s})
+    return {"name": "classical_guitar", "description": "six nylon strings on a guitar body", "bodies": bodies, "places": places,
+            "springs": springs, "links": links, "controls": controls,
+            "outputs": [{"name": "body", "velocity_m_per_s": ["heard", "air"], "full_scale": 0.9},
+                        {"name": "bridge", "force_n": [f"{s}_bridge" for s in names], "full_scale": 20}],
+            "input": {"force_n": "saddle", "full_scale": 10}, "keys": keys, "polyphony": 2,
+            "damper": {"bodies": list(names), "damping_per_s": 30}}
+
+
+def fret_guitar(p, _=None):
+    modes = [{"frequency_hz": f, "decay_per_s": number(min(0.7 * np.pi * f, 4000), 4), "mass_kg": number(1e-5 * (120 / f) ** 2, 4)} for f in CONE]
+    return {"name": "fret_guitar", "description": "guitar string that buzzes on a fret",
+            "bodies": [{"name": "string", "string": {"length_m": 0.648, "mass_kg": 0.00243374, "tension_n": 136, "bending_stiffness_n_m2": 0.000251327,
+                                                     "constant_loss_per_s": number(p["constant"]), "quadratic_loss_m2_per_s": number(p["quadratic"])},
+                        "max_modes": 80},
+                       {"name": "amplifier", "modes": modes}],
+            "places": [{"name": "plucked", "body": "string", "position_m": number(p["plucked"])}, {"name": "over_fret", "body": "string", "position_m": 0.635},
+                       {"name": "over_magnet", "body": "string", "position_m": number(p["magnet"])},
+                       {"name": "coil", "body": "amplifier", "shapes": [1] * len(CONE)},
+                       {"name": "cone", "body": "amplifier", "shapes": [number(300 * p[f"cone_{f}"]) for f in CONE]}],
+            "contacts": [{"name": "fret", "between": ["over_fret", "ground"], "material": "steel_on_steel", "gap_m": 2e-05}],
+            "springs": [{"name": "magnet", "between": ["over_magnet", "coil"], "stiffness_n_per_m": 0.001}],
+            "controls": [{"name": "fret", "place_m": "over_fret", "min": 0.02, "max": 0.64},
+                         {"name": "finger", "force_n": "plucked", "min": -10, "max": 10, "release_n": 3},
+                         {"name": "fret", "gap_shift_m": "fret", "min": -2e-05, "max": 0.005},
+                         {"name": "fret", "loss_s_per_m": "fret", "initial": 0.3, "max": 2}],
+            "outputs": [{"name": "amplifier", "velocity_m_per_s": "cone", "full_scale": 3}, {"name": "string", "end_force_n": "string", "full_scale": 10},
+                        {"name": "fret", "force_n": "fret", "full_scale": 20}],
+            "keys": [{"first": 38, "last": 74, "event": "pluck_finger", "tuned_key": 50}], "polyphony": 4,
+            "damper": {"bodies": ["string"], "damping_per_s": 30},
+            "presets": [{"name": "buzz"}, {"name": "close fret", "fret_gap_shift_m": -1.5e-05},
+                        {"name": "fret in the middle", "fret_place_m": 0.324, "fret_gap_shift_m": 0.0003}, {"name": "no fret", "fret_gap_shift_m": 0.005}]}
+
+
+# Of each: what makes its file, from numbers and names of strings; those strings by key; numbers that are usual, and where a search
+# ended that began there; their ranges; seconds and frequencies that are compared; how much a distance from the usual number counts.
+GUITARS = {
+    "classical_guitar": {"of": guitar, "strings": {of[0]: (name,) for name, of in STRINGS.items()}, "usual": USUAL, "begin": BEGIN, "ranges": RANGES,
+                         "about": HEADER, "events": [], "seconds": 1.8, "top": 12000, "prior": 0.5},
+    "fret_guitar": {"of": fret_guitar, "strings": {key: () for key in (40, 50, 55, 64)}, "usual": FRET_USUAL, "begin": FRET_BEGIN, "ranges": FRET_RANGES,
+                    "about": FRET_HEADER, "events": [{"time_s": 0, "fret_gap_shift_m": 0.005}], "seconds": 1.2, "top": 10000, "prior": 0.05}}
+
+
+def rendered(program, guitar, file, key):
+    """A note. guitar: of GUITARS; file: a dict or a path."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = file
+        if isinstance(file, dict):
+            path = f"{folder}/guitar.json"
+            Path(path).write_text(text_of(file), encoding="utf-8")
+        score = {"instrument": os.path.abspath(path), "duration_s": guitar["seconds"] + 0.1, "events": [*guitar["events"], {"time_s": 0.05, "key": key}]}
+        Path(f"{folder}/score.json").write_text(json.dumps(score), encoding="utf-8")
+        subprocess.run([program, "render", f"{folder}/score.json", "--no-figure", "-o", f"{folder}/note.wav"], check=True, capture_output=True)
+        return read(f"{folder}/note.wav")
+
+
+class Note:
+    def __init__(self, sound, key, guitar):
+        sound = from_onset(sound)
+        spectrum = np.abs(np.fft.rfft(sound[:int(0.6 * RATE)], RATE)) ** 2
+        f = np.fft.rfftfreq(RATE, 1 / RATE)
+        self.loudness = 10 * np.log10((spectrum * 10 ** (a_weighting(f) / 10)).sum())
+        self.power = mel(sound, min(guitar["seconds"], len(sound) / RATE), guitar["top"])
+        self.mel = 10 * np.log10(self.power + 1e-30)
+        n = 1 << 15
+        part = sound[int(0.03 * RATE):int(0.03 * RATE) + n]
+        power, f = np.abs(np.fft.rfft(part * np.blackman(len(part)), n)) ** 2, np.fft.rfftfreq(n, 1 / RATE)
+        b = INHARMONICITY[key]
+        f0 = 440 * 2 ** ((key - 69) / 12)
+        self.levels, self.sound, self.at = [], sound, []
+        for k in range(1, 21):
+            at = k * f0 * np.sqrt(1 + b * k * k)
+            near = (f > at - 0.15 * f0 - 0.01 * at) & (f < at + 0.15 * f0 + 0.01 * at)
+            self.at.append(f[near][np.argmax(power[near])])
+            self.levels.append(10 * np.log10(power[near].max() + 1e-30))
+        self.levels, self.width = np.array(self.levels), min(0.5 * f0, 60)
+
+    def differences(self, other):
+        """Of log-mel spectrograms, by window and band; other is the recording [dB]."""
+        n, floor = min(len(self.mel), len(other.mel)), other.mel.max() - 60
+        ours = self.mel[:n] - self.loudness + other.loudness
+        return np.maximum(ours, floor) - np.maximum(other.mel[:n], floor)
+
+    def levels_apart(self, other):
+        """Of partials that the recording has within 50 dB, less their median [dB]."""
+        d = (self.levels - other.levels)[other.levels > other.levels.max() - 50]
+        return d - np.median(d)
+
+    @cached_property
+    def decays(self):
+        """Of the partials, 40 to 500 ms after the onset [dB/s]."""
+        sound = self.sound[:int(0.56 * RATE)]
+        found, t = [], np.arange(len(sound)) / RATE
+        half = int(RATE / self.width)
+        window = np.hanning(2 * half + 1)
+        for f in self.at:
+            level = 20 * np.log10(np.abs(fftconvolve(sound * np.exp(-2j * np.pi * f * t), window / window.sum(), "same")[::441]) + 1e-30)
+            found.append(-100 * np.polyfit(np.arange(4, 50), level[4:50], 1)[0])
+        return np.array(found)
+
+
+def notes_of(folder, guitar):
+    return {(source, int(key)): Note(sound, int(key), guitar) for (source, key), sound in recorded(folder).items()}
+
+
+def residuals(ours, theirs):
+    """Of a note."""
+    n = min(len(ours.mel), len(theirs.mel)) // 4 * 4
+    floor = theirs.mel.max() - 60
+    mean = [10 * np.log10(np.maximum(of.power[:n].reshape(n // 4, 4, -1).mean(1), 1e-30)) for of in (ours, theirs)]
+    d = np.maximum(mean[0] - ours.loudness + theirs.loudness, floor) - np.maximum(mean[1], floor)
+    levels = np.zeros(20)
+    is_heard = theirs.levels > theirs.levels.max() - 50
+    levels[is_heard] = ours.levels_apart(theirs)
+    levels = np.sign(levels) * FAR * np.sqrt(2 * np.sqrt(1 + (levels / FAR) ** 2) - 2)
+    ratios = np.log2(np.maximum(ours.decays, 3) / np.maximum(theirs.decays, 3))
+    ratios = np.where(is_heard & np.isfinite(ratios), np.clip(ratios, -2, 2), 0)
+    return np.concatenate([d.ravel() / np.sqrt(d.size), LEVELS * levels / np.sqrt(20), DECAYS * ratios / np.sqrt(20)])
+
+
+def fit(program, kind, folder, path):
+    of = GUITARS[kind]
+    theirs = {at: note for at, note in notes_of(folder, of).items() if at[1] in of["strings"]}
+    names = list(of["begin"])
+    ranges = np.array([of["ranges"][name if name in of["ranges"] else name.rsplit("_", 1)[0]] for name in names], float)
+    is_ratio = ranges[:, 0] > 0  # searched by ratios
+    place = lambda numbers: np.where(is_ratio, np.log(np.where(is_ratio, numbers, 1)), numbers)
+    usual, begin = (place([of[at][name] for name in names]) for at in ("usual", "begin"))
+    low, high = place(ranges[:, 0]), place(ranges[:, 1])
+    steps = np.where(is_ratio, np.minimum(0.05, (high - low) / 50), 0.1)
+
+    def numbers(x):
+        return dict(zip(names, np.where(is_ratio, np.exp(np.where(is_ratio, x, 0)), x)))
+
+    def of_key(job):
+        x, key = job
+        return Note(rendered(program, of, of["of"](numbers(x), of["strings"][key]), key), key, of)
+
+    def all_at(places):
+        with ThreadPoolExecutor(2) as pool:
+            ours = list(pool.map(of_key, [(x, key) for x in places for key in of["strings"]]))
+        found = []
+        for i, x in enumerate(places):
+            here = dict(zip(of["strings"], ours[i * len(of["strings"]):]))
+            found.append(np.concatenate([residuals(here[key], note) for (_, key), note in theirs.items()] + [of["prior"] * (x - usual)]))
+        return found
+
+    def slopes(x):
+        signed = np.where(x + steps > high, -steps, steps)
+        here, *beside = all_at([x] + list(x + np.diag(signed)))
+        print(f"{np.sum(here ** 2):.3f}", {name: rounded(value, 3) for name, value in numbers(x).items()}, flush=True)
+        return np.array([(there - here) / step for there, step in zip(beside, signed)]).T
+
+    best = least_squares(lambda x: all_at([x])[0], np.clip(begin, low + 1e-6, high - 1e-6), slopes, bounds=(low, high), x_scale=steps, max_nfev=12, ftol=1e-3)
+    Path(path).write_text(of["about"] + text_of(of["of"](numbers(best.x), sum(of["strings"].values(), ()))), encoding="utf-8")
+
+
+def distance(program, path, *folders):
+    of = GUITARS[json.loads("\n".join(line for line in Path(path).read_text(encoding="utf-8").splitlines() if not line.startswith("//")))["name"]]
+    ours = {key: Note(rendered(program, of, path, key), key, of) for key in INHARMONICITY}
+    for name, folder in zip(("fitted", "kept"), folders):
+        theirs = notes_of(folder, of)
+        for source in sorted({source for source, _ in theirs}):
+            pairs = [(ours[key], note) for (at, key), note in theirs.items() if at == source]
+            decays = [np.log2(np.maximum(a.decays, 0.5) / np.maximum(b.decays, 0.5)) for a, b in pairs]
+            print(f"{name}, {source}: log-mel {np.mean([np.abs(a.differences(b)).mean() for a, b in pairs]):.2f} dB, partials "
+                  f"{np.median(np.abs(np.concatenate([a.levels_apart(b) for a, b in pairs]))):.1f} dB, decays x {2 ** np.nanmedian(np.abs(np.concatenate(decays))):.2f}"
+                  f" ({2 ** np.nanmedian(np.concatenate(decays)):.2f})")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) == 6 and sys.argv[1] == "fit" and sys.argv[3] in GUITARS:
+        fit(*sys.argv[2:])
+    elif len(sys.argv) == 6 and sys.argv[1] == "distance":
+        distance(*sys.argv[2:])
+    else:
+        sys.exit(__doc__)

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+#include "generator/listen/place_search.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <span>
+
+namespace contactspline {
+namespace {
+
+constexpr int kFewSteps = 8;
+
+// The radical inverse: numbers of this base fill 0 to 1 evenly (J. H. Halton, Numerische Mathematik 2, 1960).
+double halton(std::size_t number, std::size_t base) {
+  double part = 0, digit = 1;
+  for (; number > 0; number /= base)
+    part += (digit /= static_cast<double>(base)) * static_cast<double>(number % base);
+  return part;
+}
+
+std::vector<std::size_t> first_primes(std::size_t count) {
+  std::vector<std::size_t> primes;
+  for (std::size_t n = 2; primes.size() < count; ++n)
+    if (std::ranges::none_of(primes, [&](std::size_t prime) { return n % prime == 0; })) primes.push_back(n);
+  return primes;
+}
+
+// Places all over the box, the start first. Velocities stay at their start.
+std::vector<Eigen::VectorXd> scattered(std::size_t open, const Eigen::VectorXd& start) {
+  constexpr std::size_t kEach = 24, kMost = 240;
+  const std::vector<std::size_t> bases = first_primes(open);
+  std::vector<Eigen::VectorXd> places{start};
+  for (std::size_t k = 1; k <= std::min(kMost, kEach * open); ++k) {
+    places.push_back(start);
+    for (std::size_t i = 0; i < open; ++i)
+      places.back()[static_cast<Eigen::Index>(i)] = place_of(halton(k, bases[i]));
+  }
+  return places;
+}
+
+// Where one number alone moves over its bounds, and by little. Adds those that have another place almost as good to
+// `loose`.
+std::vector<Candidate> along_each(const ListeningProblem& problem, const Candidate& from,
+                                  std::vector<Eigen::Index>& loose) {
+  constexpr int kScanned = 24;
+  constexpr std::array kNear = {0.0025, 0.005, 0.01, 0.015, 0.02, 0.03, 0.04, 0.06};  // of the way between bounds
+  constexpr std::size_t kEach = kScanned + 2 * kNear.size();
+  constexpr double kLoose = 5;
+  std::vector<Eigen::VectorXd> places;
+  for (Eigen::Index i = 0; i < from.place.size(); ++i) {
+    std::vector<double> parts;
+    for (int k = 0; k < kScanned; ++k) parts.push_back((k + 0.5) / kScanned);
+    for (const double near : kNear)
+      for (const double sign : {-1, 1}) parts.push_back(part_at(from.place[i]) + sign * near);
+    for (const double part : parts) {
+      places.push_back(from.place);
+      places.back()[i] = place_of(part);
+    }
+  }
+  std::vector<Candidate> all = problem.with_costs(places);
+  for (Eigen::Index i = 0; i < from.place.size(); ++i) {
+    const auto of_number = std::span(all).subspan(static_cast<std::size_t>(i) * kEach, kEach);
+    const auto is_near = [&](const Candidate& candidate) {
+      return std::abs(part_at(candidate.place[i]) - part_at(from.place[i])) < 1.0 / kScanned;
+    };
+    if (std::ranges::any_of(of_number, [&](const Candidate& candidate) {
+          return !is_near(candidate) && candidate.cost < kLoose * from.cost;
+        }))
+      loose.push_back(i);
+  }
+  return all;
+}
+
+// Where each two of these numbers move at once.
+std::vector<Candidate> along_pairs(const ListeningProblem& problem, const Candidate& from,
+                                   const std::vector<Eigen::Index>& loose) {
+  constexpr std::size_t kEach = 32, kMost = 640;
+  std::vector<Eigen::VectorXd> places;
+  for (std::size_t k = 1; k <= kEach; ++k)
+    for (std::size_t i = 0; i < loose.size(); ++i)
+      for (std::size_t j = 0; j < i && places.size() < kMost; ++j) {
+        places.push_back(from.place);
+        places.back()[loose[i]] = place_of(halton(k, 2));
+        places.back()[loose[j]] = place_of(halton(k, 3));
+      }
+  return problem.with_costs(places);
+}
+
+// The best of these that are not near a better one, nor, unless they are better, where the search is.
+std::vector<Eigen::VectorXd> best_apart(std::vector<Candidate> candidates, const Candidate& at) {
+  constexpr std::size_t kTried = 10;
+  constexpr double kApart = 0.08;  // of the way between bounds
+  std::ranges::sort(candidates, {}, &Candidate::cost);
+  std::vector<Eigen::VectorXd> best;
+  for (const Candidate& candidate : candidates) {
+    const auto is_near = [&](const Eigen::VectorXd& other) {
+      return (candidate.place.unaryExpr(&part_at) - other.unaryExpr(&part_at)).cwiseAbs().maxCoeff() < kApart;
+    };
+    if (candidate.cost >= at.cost && is_near(at.place)) continue;
+    if (best.size() < kTried && std::ranges::none_of(best, is_near)) best.push_back(candidate.place);
+  }
+  return best;
+}
+
+// Where searches get to from the best of places along one or two numbers.
+std::vector<Candidate> others_than(const ListeningProblem& problem, const Candidate& at) {
+  std::vector<Eigen::Index> loose;
+  std::vector<Candidate> candidates = along_each(problem, at, loose);
+  std::ranges::move(along_pairs(problem, at, loose), std::back_inserter(candidates));
+  std::vector<Eigen::VectorXd> found;
+  for (const Eigen::VectorXd& place : best_apart(std::move(candidates), at))
+    found.push_back(problem.search(place, kFewSteps));
+  return problem.with_costs(found);
+}
+
+}  // namespace
+
+Eigen::VectorXd find_place(const ListeningProblem& problem) {
+  constexpr std::size_t kBest = 2;
+  std::vector<Eigen::VectorXd> places = scattered(problem.open_in_text(), problem.start());
+  std::vector<Candidate> candidates = problem.with_costs(places);
+  std::vector<Eigen::VectorXd> found{problem.search(places[0], kFewSteps)};
+  std::ranges::sort(candidates, {}, &Candidate::cost);
+  candidates.resize(std::min(kBest, candidates.size()));
+  for (const Candidate& candidate : candidates) found.push_back(problem.search(candidate.place, kFewSteps));
+  return std::ranges::min(problem.with_costs(found), {}, &Candidate::cost).place;
+}
+
+FoundPlaces find_best(ListeningProblem& problem, const Eigen::VectorXd& start) {
+  constexpr int kTimes = 6;
+  constexpr double kLower = 0.1;
+  FoundPlaces found{{0, start}, {}};
+  for (int time = 0; time < kTimes; ++time) {
+    found.best = problem.with_costs({problem.settle(found.best.place)}).front();
+    found.others = others_than(problem, found.best);
+    const auto best = std::ranges::min_element(found.others, {}, &Candidate::cost);
+    if (best == found.others.end() || best->cost > found.best.cost - kLower) break;
+    found.best = *best;
+  }
+  return found;
+}
+
+}  // namespace contactspline
