@@ -117,6 +117,24 @@ def test_a_bow_is_lifted_after_its_hold():
     assert np.abs(held.samples[-4410:]).max() > 10 * np.abs(bowed.samples[-4410:]).max() > 0
 
 
+def test_a_bow_may_jump_at_each_sample():
+    """Force, speed and place; then the bow is lifted, and the string rings out."""
+    violin, random = cs.Instrument("violin"), np.random.default_rng(1)
+    samples, played = 22050, 11025
+    moves = {}
+    for name in ("bow_normal_force_n", "bow_surface_speed_m_per_s", "bow_place_m"):
+        row = violin.parameters[name]
+        moves[name] = np.where(random.random(samples) < 0.25, row["max"], random.uniform(row["min"], row["max"], samples))
+    keys = [cs.note(at, key, hold_s=0.05) for at, key in zip(np.arange(5) * 0.05, (55, 64, 71, 80, 91))]
+    for precision in ("double", "single"):
+        sound = violin.play(keys, samples / 44100, parameters=moves, precision=precision)
+        for output in sound.outputs.values():
+            assert np.isfinite(output).all()
+        force_n = np.abs(sound.outputs["bridge_force_n"])
+        assert 0.1 < force_n.max() < 100
+        assert force_n[-2205:].max() < force_n[:played].max() / 10
+
+
 @pytest.mark.parametrize("wrong, line", [
     ({"keyboard": 3}, "piano: keyboard: is not a string; allowed: a .json file, piano"),
     ({"keyboard": "pianoo"}, "piano: keyboard: 'pianoo' does not ship; allowed: a .json file, piano"),
