@@ -136,9 +136,9 @@ class NetworkAdmittances {
     for (const std::size_t p : body.places) {
       if (concerns_place(p)) parts.places[p].measure(body.bank);
       for (const std::size_t q : body.places) {
-        if (q < p || !(concerns_place(p) || concerns_place(q))) continue;
-        of_places_[p * parts.places.size() + q] = of_places_[q * parts.places.size() + p] =
-            body.bank.admittance(parts.places[p].shapes, parts.places[q].shapes);
+        if (concerns_place(p) || concerns_place(q))
+          of_places_[p * parts.places.size() + q] =
+              body.bank.admittance(parts.places[p].shapes, parts.places[q].shapes);
       }
     }
   }
@@ -159,8 +159,8 @@ class NetworkAdmittances {
       for (std::size_t j = 0; j <= i; ++j, ++admittance) {
         if (!concerns(i) && !concerns(j)) continue;
         const double *first = body.shapes.data() + i * modes, *second = body.shapes.data() + j * modes;
-        *admittance = detail::sum_of<double>(
-            modes, [&](std::size_t n) { return double(body.bank.admittance(n)) * first[n] * second[n]; });
+        *admittance = 0;
+        for (std::size_t n = 0; n < modes; ++n) *admittance += double(body.bank.admittance(n)) * first[n] * second[n];
       }
   }
 
