@@ -95,6 +95,41 @@ TEST(PointsTogether, KeepTheirDistances) {
   EXPECT_TRUE(within(probe.instrument.energy(), balance, 1e-11 * largest));
 }
 
+// Under friction that is lifted they wait, and are where their control is in the sample in which it is pressed.
+TEST(PointsTogether, ArePutWhereTheyArePressed) {
+  std::string text = bowed(R"("positions_m": [0.28, 0.285, 0.293])", "", "0");
+  const auto erase = [&](const std::string& from, const std::string& to) {
+    const std::size_t begin = text.find(from);
+    text.erase(begin, text.find(to, begin) - begin);
+  };
+  erase(R"("contacts")", R"("frictions")");
+  erase(R"(,
+                   { "name": "rub")",
+        " ],\n    \"controls\"");
+  const InstrumentArrays arrays = arrays_of(parse_instrument(text, "probe.json"), kRate / 2);
+  NetworkInstrument<double> instrument(arrays.view(), kRate);
+  double balance = instrument.energy(), largest = 0;
+  const auto play = [&](int samples) {
+    for (int n = 0; n < samples; ++n) {
+      instrument.tick();
+      balance += instrument.work() - instrument.dissipated();
+      largest = std::max(largest, instrument.energy());
+    }
+  };
+  play(4410);
+  instrument.set(0, 0);
+  play(1);  // the bristles let go
+  instrument.set(2, 0.2);
+  play(100);
+  EXPECT_TRUE(within(instrument.network().place_m(1), 0.285, 1e-12));
+  instrument.set(0, 0.3);
+  play(1);
+  EXPECT_TRUE(within(instrument.network().place_m(1), 0.2 - 0.001, 1e-12));
+  play(4410);
+  EXPECT_GT(largest, 1e-6);
+  EXPECT_TRUE(within(instrument.energy(), balance, 1e-11 * largest));
+}
+
 // Each point of a friction is pressed by its point of the contact.
 TEST(PointsTogether, ArePressedPointByPoint) {
   const Probe probe(R"("positions_m": [0.28, 0.285, 0.293])");

@@ -112,7 +112,8 @@ class ContactNetwork {
   }
 
   /// Moves a place of NetworkPlan::add_moving_place() along its string [m], as fast as the string can follow
-  /// (MovingPlace::move_to). The place takes its connections along; what that does is work().
+  /// (MovingPlace::move_to). The place takes its connections along; what that does is work(). Under nothing but
+  /// friction that is lifted it waits, and is put there once that is pressed.
   void move_place(std::size_t place, T place_m) {
     parts_.movers[*parts_.places[place].mover].target_m = place_m;
     controls_.note_moving_place();
@@ -125,6 +126,7 @@ class ContactNetwork {
     mover.motion.put(place_m);
     mover.target_m = mover.motion.place();
     follow(mover);
+    admittances_.measure_moved(parts_);
     jump();
   }
   /// Where such a place is, after the last sample [m].
@@ -180,6 +182,7 @@ class ContactNetwork {
       mover.motion.put(mover.target_m);
       follow(mover);
     }
+    admittances_.measure_moved(parts_);
     for (Body& body : parts_.bodies) {
       body.bank.reset();
       body.take_motion();
@@ -322,11 +325,21 @@ class ContactNetwork {
   [[nodiscard]] bool is_connection(std::size_t k) const { return k < parts_.connections.size(); }
 
   // Gives a place that moves its shapes in this sample: the mean of those before and after.
-  void follow(const Mover& mover) {
+  void follow(Mover& mover) {
     parts_.places[mover.place].shapes = mover.motion.mean();
-    admittances_.measure(parts_, parts_.places[mover.place].body, mover.place);
     parts_.body_of(mover.place).is_predicted = false;
-    is_coupling_old_ = true;
+    mover.is_new = is_coupling_old_ = true;
+  }
+
+  // Does a place move under nothing but friction that is lifted? Then it is put elsewhere once that is pressed.
+  [[nodiscard]] bool is_lifted(const Mover& mover) const {
+    if (!mover.is_moving && mover.motion.place() == mover.target_m) return false;
+    return !parts_.places[mover.place].is_pushed &&
+           std::ranges::none_of(parts_.body_of(mover.place).connections, [&](std::size_t k) {
+             const Connection& c = parts_.connections[k];
+             if (c.first != mover.place && c.second != mover.place) return false;
+             return !solver_[k].is_friction || normal_force(c) > 0 || solver_[k].friction.normal_force() > 0;
+           });
   }
 
   // Moves places along their strings. Forces act there with the mean of the shapes before and after the sample. The
@@ -336,6 +349,15 @@ class ContactNetwork {
   // symmetric, and the energy balance exact (docs/how-it-works/several-contacts.md).
   void move_places() {
     for (Mover& mover : parts_.movers) {
+      if (is_lifted(mover)) {
+        mover.waits = true;
+        mover.is_moving = false;
+        continue;
+      }
+      if (std::exchange(mover.waits, false)) {
+        mover.motion.put(mover.target_m);
+        follow(mover);
+      }
       mover.is_moving = mover.motion.move_to(mover.target_m);
       if (!mover.is_moving) continue;
       const std::size_t p = mover.place;
@@ -351,6 +373,7 @@ class ContactNetwork {
       follow(mover);
       controls_.note_moving_place();
     }
+    if (is_coupling_old_) admittances_.measure_moved(parts_);
   }
 
   // Half of the last sample's increments, times the change of the shapes.

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <concepts>
 #include <cstddef>
-#include <optional>
 #include <vector>
 
 #include "contactspline/network/coupled_contacts.hpp"
@@ -33,18 +32,24 @@ class NetworkAdmittances {
     }
   }
 
-  /// Measures a body anew whose modes have changed, or of it only what concerns a place that has moved.
-  void measure(NetworkParts<T>& parts, std::size_t b, std::optional<std::size_t> moved = {}) {
-    NetworkBody<T>& body = parts.bodies[b];
-    measure_connections(parts, b, moved);
-    for (const std::size_t p : body.places) {
-      if (!moved || p == *moved) parts.places[p].measure(body.bank);
-      for (const std::size_t q : body.places)
-        if (!moved || p == *moved || q == *moved)
-          of_places_[p * parts.places.size() + q] =
-              body.bank.admittance(parts.places[p].shapes, parts.places[q].shapes);
+  /// Measures a body anew whose modes have changed.
+  void measure(NetworkParts<T>& parts, std::size_t b) {
+    measure_where(parts, b, [](std::size_t) { return true; });
+    measure_bounds(parts, b);
+  }
+
+  /// Measures what concerns the places that have moved.
+  void measure_moved(NetworkParts<T>& parts) {
+    const auto is_new = [&](std::size_t p) {
+      return p != kGround && parts.places[p].mover && parts.movers[*parts.places[p].mover].is_new;
+    };
+    for (const NetworkMover<T>& mover : parts.movers) {
+      if (!mover.is_new) continue;
+      const std::size_t b = parts.places[mover.place].body;
+      measure_where(parts, b, is_new);
+      for (const std::size_t p : parts.bodies[b].places)
+        if (const auto& other = parts.places[p].mover) parts.movers[*other].is_new = false;
     }
-    if (!moved) measure_bounds(parts, b);
   }
 
   /// Measures a body anew whose frequencies have changed: shapes stay, and what is largest of them.
@@ -123,12 +128,29 @@ class NetworkAdmittances {
   // Where nothing moves the admittance is 0; a contact needs one > 0.
   static constexpr double kMinAdmittance = 1e-18;
 
-  static void measure_connections(NetworkParts<T>& parts, std::size_t b, std::optional<std::size_t> moved) {
+  // Measures what concerns places of a body.
+  template <typename Concerns>
+  void measure_where(NetworkParts<T>& parts, std::size_t b, Concerns concerns_place) {
+    NetworkBody<T>& body = parts.bodies[b];
+    measure_connections(parts, b, concerns_place);
+    for (const std::size_t p : body.places) {
+      if (concerns_place(p)) parts.places[p].measure(body.bank);
+      for (const std::size_t q : body.places) {
+        if (concerns_place(p) || concerns_place(q))
+          of_places_[p * parts.places.size() + q] =
+              body.bank.admittance(parts.places[p].shapes, parts.places[q].shapes);
+      }
+    }
+  }
+
+  template <typename Concerns>
+  static void measure_connections(NetworkParts<T>& parts, std::size_t b, Concerns concerns_place) {
     NetworkBody<T>& body = parts.bodies[b];
     const std::size_t modes = body.bank.size(), count = body.connections.size();
     const auto concerns = [&](std::size_t i) {
       const NetworkConnection<T>& c = parts.connections[body.connections[i]];
-      return !moved || c.first == *moved || c.second == *moved;
+      return (parts.is_on(c.first, b) && concerns_place(c.first)) ||
+             (parts.is_on(c.second, b) && concerns_place(c.second));
     };
     for (std::size_t i = 0; i < count; ++i)
       if (concerns(i)) write_shapes(parts, parts.connections[body.connections[i]], b, body.shapes.data() + i * modes);

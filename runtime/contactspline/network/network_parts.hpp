@@ -108,6 +108,8 @@ struct NetworkMover {
   T target_m;
   T owed = 0;  // of the string's displacement there, so much presses the connections in the next sample only [m]
   bool is_moving = false;
+  bool waits = false;  // under friction that is lifted: to be put where its control is
+  bool is_new = true;  // has it moved since its admittances were measured?
 };
 
 /// What a network knows of a connection, beside the CoupledConnection of the solver.
