@@ -334,12 +334,15 @@ class ContactNetwork {
   // Does a place move under nothing but friction that is lifted? Then it is put elsewhere once that is pressed.
   [[nodiscard]] bool is_lifted(const Mover& mover) const {
     if (!mover.is_moving && mover.motion.place() == mover.target_m) return false;
-    return !parts_.places[mover.place].is_pushed &&
-           std::ranges::none_of(parts_.body_of(mover.place).connections, [&](std::size_t k) {
-             const Connection& c = parts_.connections[k];
-             if (c.first != mover.place && c.second != mover.place) return false;
-             return !solver_[k].is_friction || normal_force(c) > 0 || solver_[k].friction.normal_force() > 0;
-           });
+    if (parts_.places[mover.place].is_pushed) return false;
+    bool is_rubbed = false;
+    for (const std::size_t k : parts_.body_of(mover.place).connections) {
+      const Connection& c = parts_.connections[k];
+      if (c.first != mover.place && c.second != mover.place) continue;
+      if (!solver_[k].is_friction || normal_force(c) > 0 || solver_[k].friction.normal_force() > 0) return false;
+      is_rubbed = true;
+    }
+    return is_rubbed;
   }
 
   // Moves places along their strings. Forces act there with the mean of the shapes before and after the sample. The
