@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Fits of random instruments of four kinds to one or two of their notes in a room with noise: how often the intervals hold
-// the true numbers, and how near the found ones are. scripts/fits draws many.
+// Fits of random instruments of four kinds to one or two of their notes in a room with noise: how often the intervals
+// hold the true numbers, and how near the found ones are. scripts/fits draws many.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -27,9 +27,8 @@ struct Kind {
   std::vector<Open> open;
 };
 
-const Kind kKinds[] = {
-    {"bar",
-     R"({ "name": "bar", "bodies": [
+const Kind kKinds[] = {{"bar",
+                        R"({ "name": "bar", "bodies": [
     { "name": "bar", "bar": { "length_m": 0.0385, "mass_kg": 0.000967, "bending_stiffness_n_m2": @0,
       "ends": ["clamped", "free"], "constant_loss_per_s": @1, "quadratic_loss_m2_per_s": @2 }, "max_modes": 4 },
     { "name": "thumb", "mass_kg": 0.001 }],
@@ -37,13 +36,13 @@ const Kind kKinds[] = {
   "contacts": [{ "name": "tip", "between": ["thumb", "struck"], "material": "felt_c4", "weight": @3, "gap_m": 0.001 }],
   "strikes": ["thumb"], "outputs": [{ "name": "bar", "velocity_m_per_s": "struck" }],
   "keys": [{ "key": 69, "event": "strike_thumb" }] })",
-     69,
-     {{"stiffness", 0, 0.025, 0.05, 0.02},
-      {"constant loss", 0, 1, 20, 0.05},
-      {"quadratic loss", 0, 1e-4, 1e-3, 0.05},
-      {"contact weight", 0, 0.1, 2, 0.05}}},
-    {"string",
-     R"({ "name": "zither", "bodies": [
+                        69,
+                        {{"stiffness", 0, 0.025, 0.05, 0.02},
+                         {"constant loss", 0, 1, 20, 0.05},
+                         {"quadratic loss", 0, 1e-4, 1e-3, 0.05},
+                         {"contact weight", 0, 0.1, 2, 0.05}}},
+                       {"string",
+                        R"({ "name": "zither", "bodies": [
     { "name": "string", "string": { "length_m": 0.62, "mass_kg": 0.00393, "tension_n": @0,
       "bending_stiffness_n_m2": @1, "constant_loss_per_s": 1, "quadratic_loss_m2_per_s": @2 }, "max_modes": 30 },
     { "name": "hammer", "mass_kg": 0.003 }],
@@ -51,13 +50,13 @@ const Kind kKinds[] = {
   "contacts": [{ "name": "felt", "between": ["hammer", "struck"], "material": "felt_c4", "weight": @3, "gap_m": 0.001 }],
   "strikes": ["hammer"], "outputs": [{ "name": "bridge", "end_force_n": "string" }],
   "keys": [{ "key": 60, "event": "strike_hammer" }] })",
-     60,
-     {{"tension", 0, 550, 800, 0.02},
-      {"inharmonicity", 0, 0.003, 0.03, 0.02},
-      {"quadratic loss", 0, 5e-5, 1e-3, 0.05},
-      {"contact weight", 0, 0.2, 5, 0.05}}},
-    {"drum",
-     R"({ "name": "drum", "bodies": [
+                        60,
+                        {{"tension", 0, 550, 800, 0.02},
+                         {"inharmonicity", 0, 0.003, 0.03, 0.02},
+                         {"quadratic loss", 0, 5e-5, 1e-3, 0.05},
+                         {"contact weight", 0, 0.2, 5, 0.05}}},
+                       {"drum",
+                        R"({ "name": "drum", "bodies": [
     { "name": "head", "membrane": { "radius_m": 0.16, "mass_per_area_kg_m2": 0.3, "tension_n_per_m": @0,
       "constant_loss_per_s": @1, "quadratic_loss_m2_per_s": @2 }, "max_modes": 40 },
     { "name": "stick", "mass_kg": 0.02 }],
@@ -66,13 +65,13 @@ const Kind kKinds[] = {
     "gap_m": 0.004 }],
   "strikes": ["stick"], "outputs": [{ "name": "microphone", "pressure_pa": "head", "distance_m": 0.5 }],
   "keys": [{ "key": 45, "event": "strike_stick" }] })",
-     45,
-     {{"tension", 0, 900, 2500, 0.02},
-      {"constant loss", 0, 2, 20, 0.05},
-      {"quadratic loss", 0, 1e-3, 1e-2, 0.05},
-      {"contact weight", 0, 0.1, 2, 0.05}}},
-    {"plate",
-     R"({ "name": "gong", "bodies": [
+                        45,
+                        {{"tension", 0, 900, 2500, 0.02},
+                         {"constant loss", 0, 2, 20, 0.05},
+                         {"quadratic loss", 0, 1e-3, 1e-2, 0.05},
+                         {"contact weight", 0, 0.1, 2, 0.05}}},
+                       {"plate",
+                        R"({ "name": "gong", "bodies": [
     { "name": "disc", "round_plate": { "radius_m": 0.1, "thickness_m": 0.002, "density_kg_m3": 7800,
       "youngs_modulus_pa": @0, "poisson_ratio": 0.3, "constant_loss_per_s": @1, "quadratic_loss_m2_per_s": @2 },
       "max_modes": 20 },
@@ -81,11 +80,11 @@ const Kind kKinds[] = {
   "contacts": [{ "name": "tip", "between": ["mallet", "struck"], "material": "felt_c4", "weight": @3, "gap_m": 0.002 }],
   "strikes": ["mallet"], "outputs": [{ "name": "disc", "velocity_m_per_s": "struck" }],
   "keys": [{ "key": 60, "event": "strike_mallet" }] })",
-     60,
-     {{"stiffness", 0, 1e11, 3e11, 0.02},
-      {"constant loss", 0, 1, 20, 0.05},
-      {"quadratic loss", 0, 1e-4, 3e-3, 0.05},
-      {"contact weight", 0, 0.2, 10, 0.05}}}};
+                        60,
+                        {{"stiffness", 0, 1e11, 3e11, 0.02},
+                         {"constant loss", 0, 1, 20, 0.05},
+                         {"quadratic loss", 0, 1e-4, 3e-3, 0.05},
+                         {"contact weight", 0, 0.2, 10, 0.05}}}};
 
 // The paths of the open numbers, in the order in which they stand in the file.
 std::vector<std::string> paths_of(const nlohmann::ordered_json& estimates) {
@@ -164,8 +163,9 @@ TEST_P(RandomInstruments, AreInTheIntervals) {
   for (const auto& [number, of] : outcomes) {
     held += of.held;
     missed += of.missed;
-    fmt::print("{:<24} {:<26} {:>4} of {:>4} intervals hold, {:>4} within the error, {:>4} told, rms {:.2f}\n", number,
-               name, of.held, of.held + of.missed, of.near, of.told, std::sqrt(of.squares / (of.held + of.missed)));
+    fmt::print("{:<24} {:<26} {:>4} of {:>4} intervals hold, {:>4} within the error, {:>4} told, rms {:.2f}\n",
+               number, name, of.held, of.held + of.missed, of.near, of.told,
+               std::sqrt(of.squares / (of.held + of.missed)));
   }
   EXPECT_LE(missed, 0.1 * (held + missed));
 }
@@ -174,7 +174,8 @@ INSTANTIATE_TEST_SUITE_P(All, RandomInstruments,
                          ::testing::Combine(::testing::Range<std::size_t>(0, std::size(kKinds)),
                                             ::testing::Range<std::size_t>(0, std::size(kClasses))),
                          [](const auto& drawn) {
-                           return fmt::format("{}_{}", kKinds[std::get<0>(drawn.param)].name, std::get<1>(drawn.param));
+                           return fmt::format("{}_{}", kKinds[std::get<0>(drawn.param)].name,
+                                              std::get<1>(drawn.param));
                          });
 
 }  // namespace
