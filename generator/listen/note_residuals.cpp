@@ -20,15 +20,17 @@ double cents_residual(double cents, double far_cents) {
   return cents / std::sqrt(1 + cents * cents / (far_cents * far_cents));
 }
 
-// The scale that all levels have beside their noise: with it the mean square of their residuals is 1.
+// The likeliest scale that all levels have beside their noise: those with little noise tell it.
 double common_scale(std::span<const NoteDifference> differences) {
   constexpr int kHalvings = 30;
   const auto is_too_small = [&](double scale_db) {
-    double squares = 0, count = 0;
+    double excess = 0;
     for (const NoteDifference& difference : differences)
-      for (std::size_t i = 0; i < difference.level_db.size(); ++i, ++count)
-        squares += std::pow(difference.level_db[i] / std::hypot(scale_db, difference.noise_db[i]), 2);
-    return squares > count;
+      for (std::size_t i = 0; i < difference.level_db.size(); ++i) {
+        const double variance = scale_db * scale_db + difference.noise_db[i] * difference.noise_db[i];
+        excess += (difference.level_db[i] * difference.level_db[i] / variance - 1) / variance;
+      }
+    return excess > 0;
   };
   double low = kLeast_db, high = kMost_db;
   for (int i = 0; i < kHalvings; ++i) {

@@ -41,8 +41,8 @@ struct Residuals {
 /// The gain of each note [dB].
 [[nodiscard]] std::vector<double> gains_of(const NotesToMatch& notes, std::span<const NoteImpression> rendered);
 
-/// Sets scales by which the residuals of levels and those of partials have a mean square of 1 each: of each level the
-/// scatter by noise, and one more that all have.
+/// Sets the scales: of each level the scatter by noise and one more that all have, the likeliest; of partials the one
+/// by which their residuals have a mean square of 1.
 void set_scales(NotesToMatch& notes, std::span<const NoteImpression> rendered);
 
 }  // namespace contactspline
