@@ -26,12 +26,14 @@ class MovedAdmittances {
   void move(std::size_t place, const T* shapes) {
     ModeShapes<T>& of_place = parts_.places[place].shapes;
     for (std::size_t i = 0; i < of_place.size(); ++i) of_place[i] = shapes[i];
-    admittances_.measure(parts_, parts_.places[place].body, place);
-    is_old_ = true;
+    parts_.movers[*parts_.places[place].mover].is_new = is_old_ = true;
   }
   /// Its admittances are those of the shapes; nothing else of it counts.
   [[nodiscard]] const CoupledContacts<T>& solver() {
-    if (std::exchange(is_old_, false)) admittances_.couple(parts_, solver_);
+    if (std::exchange(is_old_, false)) {
+      admittances_.measure_moved(parts_);
+      admittances_.couple(parts_, solver_);
+    }
     return solver_;
   }
 
