@@ -57,13 +57,13 @@ std::string over_the_way(const RubbingSurfaces& surfaces) {
 }
 
 std::string over_the_speed(const RubbingSurfaces& surfaces) {
-  constexpr int kPoints = 120;
+  constexpr int kSteps = 120;
   std::vector<Curve> curves;
   for (const double force_n : kNormalForces_n) {
     Data data(fmt::format("speed_{}", curves.size()));
-    for (int i = 0; i <= kPoints; ++i) {
+    for (int i = 0; i <= kSteps; ++i) {
       const double speed =
-          kSpeeds_m_per_s.low * std::pow(kSpeeds_m_per_s.high / kSpeeds_m_per_s.low, double(i) / kPoints);
+          kSpeeds_m_per_s.low * std::pow(kSpeeds_m_per_s.high / kSpeeds_m_per_s.low, double(i) / kSteps);
       data.add({speed, steady_sliding(surfaces, speed, force_n).coefficient});
     }
     curves.push_back({std::move(data), fmt::format("{:g} N", force_n)});

@@ -88,7 +88,9 @@ TEST(PointsTogether, KeepTheirDistances) {
     largest = std::max(largest, probe.instrument.energy());
     ASSERT_TRUE(within(network.place_m(1) - network.place_m(0), 0.005, 1e-12)) << n;
     ASSERT_TRUE(within(network.place_m(2) - network.place_m(1), 0.008, 1e-12)) << n;
-    if (n == 8819) EXPECT_TRUE(within(network.place_m(1), 0.1 - 0.001, 1e-12));
+    if (n == 8819) {
+      EXPECT_TRUE(within(network.place_m(1), 0.1 - 0.001, 1e-12));
+    }
   }
   EXPECT_TRUE(within(network.place_m(2), 0.325, 1e-12));
   EXPECT_GT(largest, 1e-6);

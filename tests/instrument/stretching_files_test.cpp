@@ -134,12 +134,12 @@ TEST(StretchingFile, HearsNothingOfLongitudinalModesThatStop) {
     const InstrumentArrays arrays = arrays_of(model, 4000);
     NetworkInstrument<double> instrument(arrays.view(), 8000);
     instrument.strike(0, 5);
-    std::array<std::vector<double>, 2> sounds;
+    std::array<std::vector<double>, 2> heard;
     for (int n = 0; n < 2000; ++n) {
       instrument.tick();
-      for (std::size_t o = 0; o < 2; ++o) sounds[o].push_back(instrument.output(o));
+      for (std::size_t o = 0; o < 2; ++o) heard[o].push_back(instrument.output(o));
     }
-    return sounds;
+    return heard;
   };
   const auto found = sounds(16), expected = sounds(4), fewer = sounds(3);
   for (std::size_t o = 0; o < 2; ++o) {

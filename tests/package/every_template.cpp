@@ -89,6 +89,8 @@
 #include "contactspline/tangent/contact_gradient.hpp"
 #include "contactspline/tangent/contact_tangent.hpp"
 #include "contactspline/tangent/force_equations.hpp"
+#include "contactspline/tangent/friction_backwards.hpp"
+#include "contactspline/tangent/friction_tangent.hpp"
 #include "contactspline/tangent/mass_barrier_tangent.hpp"
 #include "contactspline/tangent/mode_slopes.hpp"
 #include "contactspline/tangent/moved_admittances.hpp"
