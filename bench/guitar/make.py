@@ -44,6 +44,7 @@ LEVELS, DECAYS = 1.5, 3.5  # how much a decibel of a partial and an octave of it
 # Of each string: key, mass [kg/m] of a usual set, modes, and the inharmonicity of its partials in the recordings that are fitted.
 STRINGS = {"e2": (40, 6.24e-3, 60, 2.8e-5), "a2": (45, 3.61e-3, 50, 1.67e-5), "d3": (50, 1.95e-3, 42, 1.32e-5),
            "g3": (55, 9.0e-4, 34, 1.55e-4), "b3": (59, 5.2e-4, 30, 6.3e-5), "e4": (64, 3.8e-4, 26, 3.6e-5)}
+SHARP = {"e2": 4, "a2": 6, "d3": 4, "g3": 9, "b3": 8.5, "e4": 10.5}  # cents, as rendered: few modes make the support at the saddle soft
 # Of each low mode: frequency [Hz], decay [1/s], mass [kg], shape at the saddle.
 LOW = [(170, 17.8, 0.1, 1), (245, 19.2, 0.25, 0.25), (320, 25.1, 0.2, -0.7), (390, 30.6, 0.2, 0.5), (470, 36.9, 0.25, -0.4),
        (560, 39.1, 0.2, 0.6), (680, 47.5, 0.25, -0.5), (830, 57.9, 0.25, 0.45), (1010, 70.5, 0.25, -0.4), (1230, 85.9, 0.3, 0.35)]
@@ -115,7 +116,7 @@ def guitar(p, names=tuple(STRINGS)):
     for s in names:
         key, mass_per_m, max_modes, b = STRINGS[s]
         f = 440 * 2 ** ((key - 69) / 12)
-        tension = mass_per_m * (2 * SADDLE * f) ** 2
+        tension = mass_per_m * (2 * SADDLE * f) ** 2 * 2 ** (-SHARP[s] / 600)
         bodies.append({"name": s, "string": {"length_m": LENGTH, "mass_kg": number(mass_per_m * LENGTH, 5), "tension_n": number(tension / (1 + b), 6),
                                              "bending_stiffness_n_m2": number(b * tension * SADDLE ** 2 / np.pi ** 2),
                                              "constant_loss_per_s": number(p[f"constant_{s}"]), "quadratic_loss_m2_per_s": number(p[f"quadratic_{s}"])},
@@ -127,6 +128,8 @@ def guitar(p, names=tuple(STRINGS)):
     bodies.append({"name": "top", "modes": [{"frequency_hz": number(f, 5), "decay_per_s": number(decay * p["decay"]),
                                              "mass_kg": number(mass * (1 if f == 170 else p["low_mass"] if f <= 1230 else p["high_mass"]))} for f, decay, mass, _, _ in table]})
     bodies.append({"name": "air", "mass_kg": 0.03904})
+    half = len(names) // 2  # of the strings, drawn above the body
+    bodies = bodies[:half] + bodies[-2:] + bodies[half:-2]
     places += [{"name": "saddle", "body": "top", "shapes": [number(np.sign(shape) * p.get(f"shape_{f}", abs(shape))) for f, _, _, shape, _ in table]},
                {"name": "inwards", "body": "top", "shapes": [-1] + [0] * (len(table) - 1)},
                {"name": "heard", "body": "top", "shapes": [number(sign * heard(p, f)) for f, _, _, _, sign in table]}]

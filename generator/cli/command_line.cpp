@@ -242,7 +242,7 @@ void add_dataset(CLI::App& app) {
 void add_inspect(CLI::App& app) {
   const auto options = std::make_shared<InspectOptions>();
   CLI::App* command = app.add_subcommand(
-      "inspect", "Show a material's spline, a friction's law, a resonator's modes, a keyboard's keys, an instrument");
+      "inspect", "Show a material, a friction, a resonator's modes, a keyboard's keys, an instrument");
   add_input(*command, "MATERIAL", options->materials, kSourceHelp)->required();
   add_output_file(*command, "--figure", options->figure,
                   "also draw the spline, the law, the modes or the instrument (.svg, .png, .pdf)");
@@ -266,7 +266,7 @@ void add_inspect(CLI::App& app) {
 void add_list(CLI::App& app) {
   const auto kind = std::make_shared<std::string>();
   CLI::App* command = app.add_subcommand(
-      "list", "List the materials, frictions, resonators, keyboards, instruments and scores that ship");
+      "list", "List materials, frictions, resonators, keyboards, instruments and scores that ship");
   command->add_option("KIND", *kind, "what to list (default: all)")->check(one_of(kinds_that_ship()));
   command->callback([kind] { list(*kind); });
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <numeric>
 
 #include "generator/support/error.hpp"
 
@@ -128,6 +129,17 @@ std::optional<double> level_of(const Window& window, const StruckResonator& stru
   return decibels(peak.magnitude / window.of_decay(struck.modes[i].decay_per_s));
 }
 
+// The mean squares of 10 ms each.
+std::vector<double> powers_of(const RecordedSound& recording) {
+  const auto length = static_cast<std::size_t>(0.01 * recording.sample_rate_hz);
+  std::vector<double> powers;
+  for (std::size_t begin = 0; begin + length <= recording.samples.size(); begin += length) {
+    const auto part = std::span(recording.samples).subspan(begin, length);
+    powers.push_back(std::inner_product(part.begin(), part.end(), part.begin(), 0.0) / static_cast<double>(length));
+  }
+  return powers;
+}
+
 }  // namespace
 
 double onset_of(std::span<const double> samples, double sample_rate_hz) {
@@ -150,6 +162,28 @@ void require_sounding(const RecordedSound& recording, const std::string& file) {
   const double peak = peak_of(recording.samples);
   if (peak == 0) refuse(file, "samples", "the recording is silent", "a struck note");
   require_unsaturated(recording, file, peak);
+}
+
+void require_one_sound(RecordedSound& recording, const std::string& file) {
+  constexpr double kPause = 1e-3, kRounding = 1e-9;
+  require_sounding(recording, file);
+  std::vector<double>& samples = recording.samples;
+  const double offset = std::accumulate(samples.begin(), samples.end(), 0.0) / static_cast<double>(samples.size());
+  for (double& sample : samples) sample -= offset;
+  if (std::all_of(samples.begin(), samples.end(),
+                  [&](double sample) { return std::abs(sample) <= kRounding * std::abs(offset); }))
+    refuse(file, "samples", "the recording is silent", "a struck note");
+  const std::vector<double> powers = powers_of(recording);
+  if (powers.empty()) return;
+  const auto loudest = std::max_element(powers.begin(), powers.end());
+  const double onset_s = onset_of(samples, recording.sample_rate_hz);
+  const auto begin =
+      powers.begin() +
+      std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(std::max(0.0, 100 * onset_s)), loudest - powers.begin());
+  if (std::any_of(begin, loudest, [&](double power) { return power < kPause * *loudest; }))
+    refuse(file, "samples",
+           fmt::format("something sounds {:.2g} s before the note", 0.01 * static_cast<double>(loudest - begin)),
+           "one note, without what is before it");
 }
 
 std::vector<Blow::Level> levels_of(const RecordedSound& recording, const std::string& file,

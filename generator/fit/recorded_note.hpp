@@ -26,6 +26,10 @@ struct RecordedSound {
 /// Throws BadInput if a recording is silent or saturated.
 void require_sounding(const RecordedSound& recording, const std::string& file);
 
+/// Takes the mean of the samples away. Throws BadInput if they are silent or saturated, or if something sounds before
+/// the note: between it and the loudest 10 ms the level falls 30 dB below those.
+void require_one_sound(RecordedSound& recording, const std::string& file);
+
 /// The levels of `partials` (places among the modes) or, without them, of all those with output that stand 20 dB out
 /// of what is beside them and below 0.45 of the sample rate. Each is measured at the peak of the spectrum within 3 %
 /// of its mode's frequency, in a Hann window that begins 10 ms after the onset and holds 8 periods of the lowest

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "generator/listen/note_impression.hpp"
+#include "generator/listen/fitted_note.hpp"
 #include "generator/listen/recorded_instrument.hpp"
 
 namespace contactspline {
@@ -18,18 +18,6 @@ struct FoundNumber {
   bool is_told = true;  ///< do the recordings tell it? Else the interval is all that is allowed
 };
 
-/// How far a recording is from what is rendered.
-struct NoteDistance {
-  double level_db;  ///< mean of the absolute differences of level
-  double noise_db;  ///< what noise alone leaves of them
-  double cents;     ///< median of those of the partials; 0 where the recording has none
-};
-
-struct FittedNote {
-  NoteDistance before, after;
-  NoteImpression recorded, started, found;  ///< the rendered ones with their gain
-};
-
 struct InstrumentFit {
   std::vector<FoundNumber> numbers;  ///< of each open one
   std::vector<FittedNote> notes;     ///< of each recording
@@ -37,8 +25,8 @@ struct InstrumentFit {
 };
 
 /// Searches the open numbers by least squares from several starts (docs/how-to/fit.md). `tell` hears what is done
-/// now. Throws BadInput where the instrument cannot be made or played at the start, or as require_pitch()
-/// does.
+/// now. Throws BadInput where the instrument cannot be made or played at the start, or as
+/// require_pitch() does.
 [[nodiscard]] InstrumentFit fit_instrument(const RecordedInstrument& recorded, const ReadFile& read,
                                            const std::function<void(const std::string&)>& tell);
 

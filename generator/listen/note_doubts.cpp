@@ -5,11 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <optional>
-#include <span>
 
-#include "generator/fit/recorded_note.hpp"
 #include "generator/support/error.hpp"
 
 namespace contactspline {
@@ -34,17 +31,6 @@ double lowest_hz(const Partials& partials) {
   return std::ranges::min(partials, {}, &Partial::frequency_hz).frequency_hz;
 }
 
-// The mean squares of 10 ms each.
-std::vector<double> powers_of(const RecordedSound& recording) {
-  const auto length = static_cast<std::size_t>(0.01 * recording.sample_rate_hz);
-  std::vector<double> powers;
-  for (std::size_t begin = 0; begin + length <= recording.samples.size(); begin += length) {
-    const auto part = std::span(recording.samples).subspan(begin, length);
-    powers.push_back(std::inner_product(part.begin(), part.end(), part.begin(), 0.0) / static_cast<double>(length));
-  }
-  return powers;
-}
-
 // The first partial up to 20 dB below the strongest that the rendered note has not.
 std::optional<Partial> strange_partial(const FittedNote& note) {
   constexpr double kDepth_db = 20, kFar_cents = 60;
@@ -54,27 +40,6 @@ std::optional<Partial> strange_partial(const FittedNote& note) {
 }
 
 }  // namespace
-
-void require_one_sound(RecordedSound& recording, const std::string& file) {
-  constexpr double kPause = 1e-3, kRounding = 1e-9;
-  require_sounding(recording, file);
-  std::vector<double>& samples = recording.samples;
-  const double offset = std::accumulate(samples.begin(), samples.end(), 0.0) / static_cast<double>(samples.size());
-  for (double& sample : samples) sample -= offset;
-  if (std::ranges::all_of(samples, [&](double sample) { return std::abs(sample) <= kRounding * std::abs(offset); }))
-    refuse(file, "samples", "the recording is silent", "a struck note");
-  const std::vector<double> powers = powers_of(recording);
-  if (powers.empty()) return;
-  const auto loudest = std::ranges::max_element(powers);
-  const double onset_s = onset_of(samples, recording.sample_rate_hz);
-  const auto begin =
-      powers.begin() +
-      std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(std::max(0.0, 100 * onset_s)), loudest - powers.begin());
-  if (std::any_of(begin, loudest, [&](double power) { return power < kPause * *loudest; }))
-    refuse(file, "samples",
-           fmt::format("something sounds {:.2g} s before the note", 0.01 * static_cast<double>(loudest - begin)),
-           "one note, without what is before it");
-}
 
 void require_pitch(const RecordedInstrument& recorded, const std::vector<FittedNote>& notes) {
   constexpr double kFarthest_cents = 80, kDepth_db = 12;
@@ -93,12 +58,12 @@ void require_pitch(const RecordedInstrument& recorded, const std::vector<FittedN
 }
 
 std::vector<std::string> doubts_of(const RecordedInstrument& recorded, const std::vector<FittedNote>& notes) {
-  constexpr double kLeft_db = 2, kOfNoise = 2;
+  constexpr double kLeft_db = 0.5, kOfNoise = 5;
   std::vector<std::string> doubts;
   for (std::size_t n = 0; n < notes.size(); ++n) {
     const std::string file = shown(recorded.notes[n].file);
     const NoteDistance& left = notes[n].after;
-    if (left.level_db > kLeft_db + kOfNoise * left.noise_db)
+    if (left.level_db > std::max(kLeft_db, kOfNoise * left.noise_db))
       doubts.push_back(
           fmt::format("{}: the instrument does not explain it: {:.1f} dB are left, by noise alone {:.1f}", file,
                       left.level_db, left.noise_db));

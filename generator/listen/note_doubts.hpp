@@ -5,13 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "generator/listen/instrument_fit.hpp"
+#include "generator/listen/fitted_note.hpp"
+#include "generator/listen/recorded_instrument.hpp"
 
 namespace contactspline {
-
-/// Takes the mean of the samples away. Throws BadInput if they are silent or saturated, or if something sounds before
-/// the note: between it and the loudest 10 ms the level falls 30 dB below those.
-void require_one_sound(RecordedSound& recording, const std::string& file);
 
 /// Throws BadInput where the strongest partial of a fitted note, or the lowest of those up to 12 dB below it,
 /// recorded or rendered, has none of the other beside it within 80 cents.

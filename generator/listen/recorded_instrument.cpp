@@ -5,7 +5,6 @@
 
 #include <algorithm>
 
-#include "generator/listen/note_doubts.hpp"
 #include "generator/support/error.hpp"
 #include "generator/support/json_syntax.hpp"
 

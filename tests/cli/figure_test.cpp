@@ -314,7 +314,7 @@ TEST(FigureOfASound, HasNoPanelOfAForceThatIsNone) {
   printed(box, {"render", "mass-barrier", "--gravity", "0", "--speed", "0", "--duration", "0.02", "-o", "a.wav"});
   expect_drawn(box / "a.svg", 1);
   write_file(box / "still.json", R"({"instrument": "classical_guitar", "duration_s": 0.05,
-    "events": [ { "time_s": 0, "finger_release_n": 1 } ] })");
+    "events": [ { "time_s": 0, "finger_d3_release_n": 1 } ] })");
   const std::string said = printed(box, {"render", "instrument", "--score", "still.json", "-o", "b.wav"});
   EXPECT_TRUE(said.starts_with("full scale of the sound: ")) << said;  // nothing of contacts
   expect_drawn(box / "b.svg", 2);

@@ -121,9 +121,10 @@ class Readers {
     const Words command =
         file.contains("pulses") || file.contains("tables") || file.contains("struck") || file.contains("recordings")
             ? Words{"fit", "asked.json", "-o", "fitted.json"}
-        : file.contains("count")  ? Words{"dataset", "asked.json", "-o", "out"}
-        : file.contains("events") ? Words{"render", "asked.json", "-o", "a.wav"}
-                                  : Words{"generate", "asked.json", "-o", "out"};
+        : file.contains("count")    ? Words{"dataset", "asked.json", "-o", "out"}
+        : file.contains("events")   ? Words{"render", "asked.json", "-o", "a.wav"}
+        : file.contains("bristles") ? Words{"inspect", "asked.json"}
+                                    : Words{"generate", "asked.json", "-o", "out"};
     const Json flat = file.flatten();
     for (const auto& [place, value] : flat.items())
       for (Json::json_pointer at = Json::json_pointer(place).parent_pointer();; at = at.parent_pointer()) {

@@ -113,8 +113,11 @@ TEST(ClassicalGuitar, HasTheCoupledModesOfTopAndAir) {
     guitar.set(0, 0);
     air.push_back(guitar.network().displacement(place_index(model, "air")));
   }
-  const double mass_of_air = arrays.masses.back(),
-               mass_of_top = arrays.masses[arrays.body_ends[model.bodies.size() - 3]];
+  const auto first_mass_of = [&](const std::string& name) {
+    const auto body = std::ranges::find(model.bodies, name, &InstrumentBody::name) - model.bodies.begin();
+    return arrays.masses[arrays.body_ends[std::size_t(body) - 1]];
+  };
+  const double mass_of_air = first_mass_of("air"), mass_of_top = first_mass_of("top");
   const double unit = 4 * pi * pi, hole = cavity.stiffness_n_per_m / mass_of_air / unit, vacuum = 170 * 170;
   const double closed = vacuum + cavity.stiffness_n_per_m / mass_of_top / unit;
   const double half = (closed + hole) / 2, root_of = std::sqrt(half * half - vacuum * hole);
