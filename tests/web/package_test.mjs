@@ -268,7 +268,7 @@ const cases = {
       const expected = await played(60);
       assertEqualSound(name, await played(64, cents), expected, 1e-5);
       assert.deepEqual(await played(60, null), expected);
-      assert.ok((await played(65, cents)).every((x) => x === 0));
+      assert.ok((await played(65, cents)).every((x) => Math.abs(x) < 1e-12)); // a bar that rests on its string moves by roundings
     }
     const player = await Player.create("piano", kRate);
     for (const wrong of [[0, 1], "a scale", 7]) assert.throws(() => player.tune(wrong), kLine);
