@@ -24,10 +24,10 @@ struct HalfWidths {
   double quantile;
 };
 
-/// Infinite where the recordings tell nothing. Of two estimates of the
-/// variance the larger one: that of independent residuals, of eight levels one, and the sandwich estimate with groups
-/// of residuals that may depend on each other (P. J. Huber, Proc. 5th Berkeley Symp., 1967; K.-Y. Liang and S. L.
-/// Zeger, Biometrika 73, 1986).
+/// Half the width of each interval, infinite where the recordings tell nothing. Of two estimates of the variance the
+/// larger one: that of independent residuals, of eight levels one, and the sandwich estimate with groups of residuals
+/// that may depend on each other (P. J. Huber, Proc. 5th Berkeley Symp., 1967; K.-Y. Liang and S. L. Zeger,
+/// Biometrika 73, 1986).
 HalfWidths half_widths(const Residuals& residuals, const Eigen::MatrixXd& slopes) {
   constexpr double kLeastTold = 1e-6;  // of an eigenvalue, where all are 1 if no two numbers act alike
   const Eigen::Index open = slopes.cols();

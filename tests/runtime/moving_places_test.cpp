@@ -210,6 +210,24 @@ TEST(MovingPlaces, WakeTheirContacts) {
   EXPECT_TRUE(within(fine / coarse, 1.0 / 8, 0.02));
 }
 
+// A place waits only under friction that is lifted, and is where its control is once that presses.
+TEST(MovingPlaces, WaitUnderLiftedFrictionAlone) {
+  constexpr std::size_t kModes = 10;
+  NetworkPlan<double> plan;
+  const std::size_t string = plan.add_body(string_modes(100, kModes, 0.01));
+  const std::size_t heard = plan.add_moving_place(string, wavenumbers(kModes), 0.4);
+  const std::size_t bowed = plan.add_moving_place(string, wavenumbers(kModes), 0.4);
+  const std::size_t bow = plan.add_friction(kGround, bowed, kRosin, 0.01);
+  ContactNetwork<double> network(plan, kRate);
+  for (const std::size_t place : {heard, bowed}) network.move_place(place, 0.6);
+  for (int n = 0; n < 44100; ++n) network.tick();
+  EXPECT_EQ(network.place_m(heard), 0.6);
+  EXPECT_EQ(network.place_m(bowed), 0.4);
+  network.set_normal_force(bow, 0.5);
+  network.tick();
+  EXPECT_EQ(network.place_m(bowed), 0.6);
+}
+
 TEST(MovingPlaces, ArePutElsewhereWithoutMotion) {
   const Table table = power_table(1e5, 1.5, 1e-3);
   const auto compression_at = [&](bool is_put) {
