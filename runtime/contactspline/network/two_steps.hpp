@@ -120,12 +120,10 @@ class TwoSteps {
   // Admittances of a form of a body, which is connection i of the solver, with the connections on this body.
   static void couple(const NetworkBody<T>& body, const StretchingForm<T>& form, std::size_t i,
                      CoupledContacts<T>& solver) {
-    const double* shapes = body.shapes.data();
-    for (const std::size_t connection : body.connections) {
-      const double sum =
-          sum_of<double>(body.bank.size(), [&](std::size_t n) { return shapes[n] * double(form.motion()[n]); });
-      solver.set_admittance(i, connection, body.motion->gain() * sum);
-      shapes += body.bank.size();
+    for (std::size_t k = 0; k < body.connections.size(); ++k) {
+      const double sum = sum_of<double>(body.bank.size(),
+                                        [&](std::size_t n) { return body.shapes[k][n] * double(form.motion()[n]); });
+      solver.set_admittance(i, body.connections[k], body.motion->gain() * sum);
     }
   }
 
