@@ -64,7 +64,7 @@ struct NetworkBody {
   std::vector<std::size_t> places;
   std::vector<std::size_t> connections;
   std::vector<ModeShapes<double>> shapes;  // of each connection on this body
-  ModeShapes<double> pushed;               // by how much a newton in one of them moves each mode [m/N]
+  ModeShapes<double> pushed;               // by how much a newton in one of them, or of a form, moves each mode [m/N]
   ModeShapes<T> pushed_by_place;           // the same of a newton at a place
   std::vector<double> admittances;         // of each with those up to itself, without damping [m/N]
   IndexList awake;                         // places whose increments are computed in each sample
