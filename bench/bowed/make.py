@@ -96,7 +96,7 @@ def string_parts(instrument, name, key, tension_n, stiffness):
     torsion = [(5.5 * f * n, math.pi * 5.5 * f * n / 30, 2.5 / 5.5 * per_m * length / 2) for n in range(1, count + 1)]
     shapes = [rounded(math.sin(math.pi * n * BOW)) for n in range(1, count + 1)]
     bodies = [{"name": name, "string": string, "max_modes": min(70, int(21000 / f))},
-              {"name": f"{name}_torsion", "modes": modes(torsion)}]
+              {"name": f"{name}_torsion", "tuned_with": name, "modes": modes(torsion)}]
     middle = rounded(length * (1 - BOW), 4)
     hair = [rounded(middle + ((point + 0.5) / POINTS - 0.5) * HAIR_M) for point in range(POINTS)]
     places = [{"name": f"{name}_bowed", "body": name, "positions_m": hair},

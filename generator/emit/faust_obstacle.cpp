@@ -85,6 +85,9 @@ std::optional<std::string> faust_obstacle(const InstrumentModel& model, const In
     if (group.each.kind == ConnectionKind::kFriction && group.each.friction.pressed_by != kNoConnection)
       return fmt::format("{} has the friction {} that a contact presses, which only the C++ class plays", model.name,
                          group.name);
+  for (const ConnectionGroup& group : model.connections)
+    if (group.each.roughness.height_m > 0)
+      return fmt::format("{} has the rough contact {}, which only the C++ class plays", model.name, group.name);
   if (auto coupled = coupled_friction(model)) return coupled;
   for (const InstrumentBody& body : model.bodies)
     if (body.airy_functions > 0)

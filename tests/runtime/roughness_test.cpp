@@ -84,8 +84,7 @@ TEST(RoughSurface, HasASpectrumThatEndsAtItsLength) {
     double found = 0, expected = 0;
     for (std::size_t bin = band * kBins; bin < (band + 1) * kBins; ++bin) {
       const double cycles = static_cast<double>(bin) / kCount;
-      for (std::uint32_t number = 0; number < 24; ++number)
-        found += power_at(sequences[number], cycles) / 24;
+      for (std::uint32_t number = 0; number < 24; ++number) found += power_at(sequences[number], cycles) / 24;
       const double kd = 2 * std::numbers::pi * cycles / kStep * kNode;
       const double bump = 12 * (2 - 2 * std::cos(kd) - kd * std::sin(kd)) / std::pow(kd, 4);
       expected += 1.5 * (kNode / kStep) / 3 * bump * bump / kCount;  // 1.5: the window
@@ -95,7 +94,8 @@ TEST(RoughSurface, HasASpectrumThatEndsAtItsLength) {
       EXPECT_TRUE(within(10 * std::log10(found / expected), 0, 1.5)) << band;
     }
     if (band % 8 == 0)
-      Measured() << "at " << static_cast<double>(band) / 16 << "/length " << 10 * std::log10(found / slowest) << " dB";
+      Measured() << "at " << static_cast<double>(band) / 16 << "/length " << 10 * std::log10(found / slowest)
+                 << " dB";
     if (band >= 24) {
       EXPECT_LT(found, 0.03 * slowest) << band;  // 15 dB less beyond 1.5/length
     }
@@ -253,8 +253,8 @@ TEST(RoughContact, BalancesTheEnergyOfRandomNetworks) {
     for (std::size_t k = 0; k < random.plan.connections().size(); ++k)
       if (!random.plan.connections()[k].table.empty()) rough.push_back(k);
     for (const std::size_t k : rough)
-      random.plan.roughen(k, {random.random.decades(-6, -3), random.random.decades(-5, -1),
-                              random.random.once_in(2)});
+      random.plan.roughen(k,
+                          {random.random.decades(-6, -3), random.random.decades(-5, -1), random.random.once_in(2)});
     auto network = random.network(CoupledContacts<double>::kMaxSteps);
     long double balance = network.energy();
     double peak = network.energy(), error = 0, rounding = 0;

@@ -166,7 +166,8 @@ inline constexpr std::size_t kNoParameter = (std::numeric_limits<std::size_t>::m
 
 /// Keys, tuning and damper of an instrument file. tension_squares: for each mode what the tension adds to w0^2
 /// (square_by_tension) [1/s^2]; empty: nothing is tuned. far_ends: so many places, the last ones, are far ends of
-/// strings, where a displacement is a force. damped: the bodies under the damper.
+/// strings, where a displacement is a force. damped: the bodies under the damper. tuned_with: for each body the one
+/// with which it is tuned, as the torsion of a string with the string; empty: all are tuned by themselves.
 struct KeyedData {
   std::span<const KeyRange> ranges;
   std::size_t voices = 1;
@@ -175,6 +176,7 @@ struct KeyedData {
   std::span<const std::size_t> damped;
   double damper_per_s = 0;
   std::size_t sustain = kNoParameter, bend = kNoParameter;
+  std::span<const std::size_t> tuned_with = {};
 };
 
 /// A form by which a body stretches (StretchForm), with how many products of two modes it has. end_tension_n: what it

@@ -49,7 +49,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
       const auto values = data.preset_values.subspan(i * values_.size(), values_.size());
       presets_.push_back({data.preset_names[i], {values.begin(), values.end()}});
     }
-    if (!data.keyed.tension_squares.empty()) tuning_ = {data.modes(), data.keyed.tension_squares, data.body_ends};
+    if (!data.keyed.tension_squares.empty()) tuning_ = {data.modes(), data.keyed, data.body_ends};
     is_waiting_.resize(data.controls.size());
     for (std::size_t k = 0; k < data.connections.size(); ++k)
       if (data.connections[k].roughness.height_m > 0 ||
