@@ -188,7 +188,7 @@ TEST(KeysThatBow, TuneTheTorsionOfTheirString) {
     };
     insert(R"({ "name": "high", "tuning)", R"({ "name": "torsion", )" + tuned + R"("modes": [ { "frequency_hz": )" +
                                                std::to_string(1078 * std::exp2(cents / 1200)) +
-                                               R"(, "decay_per_s": 110, "mass_kg": 0.0002 } ] }, )");
+                                               R"(, "decay_per_s": 110, "mass_kg": 0.00002 } ] }, )");
     insert(R"({ "name": "at_low")", R"({ "name": "surface", "body": "torsion", "shapes": [0.7] }, )");
     return text.replace(text.find(R"("ground", "at_low")"), 18, R"("surface", "at_low")");
   };

@@ -45,8 +45,8 @@ class EveryKey : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(EveryKey, Speaks) {
   const std::string name = GetParam();
-  const InstrumentArrays arrays = arrays_of(
-      parse_instrument(find_embedded(Shipped::kInstruments, name + ".json")->content, name), kRate / 2);
+  const InstrumentArrays arrays =
+      arrays_of(parse_instrument(find_embedded(Shipped::kInstruments, name + ".json")->content, name), kRate / 2);
   Voices<NetworkInstrument<double>> instrument(arrays.view());
   instrument.prepare(kRate);
   const bool is_full = std::getenv("CONTACTSPLINE_FULL_TESTS") != nullptr;
@@ -74,7 +74,7 @@ TEST_P(EveryKey, Speaks) {
   Measured() << name << ": at most " << largest << " cents, of key " << of_key;
 }
 INSTANTIATE_TEST_SUITE_P(Bowed, EveryKey, ::testing::Values("violin", "cello"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& tested) { return std::string(tested.param); });
 
 }  // namespace
 }  // namespace contactspline::testing
