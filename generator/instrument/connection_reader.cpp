@@ -7,6 +7,7 @@
 
 #include "generator/material/friction_reader.hpp"
 #include "generator/material/named_file.hpp"
+#include "generator/resonator/resonator_reader.hpp"
 
 namespace contactspline {
 namespace {
@@ -67,13 +68,9 @@ class ConnectionReader {
 
   static Roughness roughness(const JsonObject& contact) {
     const JsonObject json = contact.object("roughness", {"height_m", "length_m", "profile"});
-    constexpr auto kProfiles = "\"random\", \"periodic\"";
-    const std::string profile = json.has("profile") ? json.text("profile", kProfiles) : "random";
-    if (profile != "random" && profile != "periodic")
-      json.fail(json.key("profile"), fmt::format("'{}' is unknown", profile), kProfiles);
     return {.height_m = json.number("height_m", kRoughHeight_m),
             .length_m = json.number("length_m", kRoughLength_m),
-            .is_periodic = profile == "periodic"};
+            .is_periodic = read_word(json, "profile", "random", "periodic") == "periodic"};
   }
 
   static double surface_speed(const JsonObject& json) {

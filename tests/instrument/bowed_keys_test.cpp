@@ -204,6 +204,11 @@ TEST(KeysThatBow, TuneTheTorsionOfTheirString) {
   // The frequency in the file has six decimals.
   EXPECT_TRUE(sequences_within(std::span<const double>(by_keys.played(1000)), wanted, 1e-6));
   EXPECT_FALSE(sequences_within(std::span<const double>(untuned.played(1000)), wanted, 1e-3));
+
+  InstrumentModel model = parse_instrument(with_torsion(0, tuned), "fiddle.json");
+  const double before = arrays_of(model, kRate / 2).angular_frequencies[30];  // behind the modes of the string
+  tune(model, 1200);  // as voices of a score do
+  EXPECT_TRUE(relatively_within(arrays_of(model, kRate / 2).angular_frequencies[30], 2 * before, 1e-12));
 }
 
 // The key below stays down while another is played over it, as in a trill.

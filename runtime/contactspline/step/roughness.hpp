@@ -55,9 +55,9 @@ class RoughSurface {
   [[nodiscard]] T at(std::uint32_t node) const {
     if (node == 0) return 0;
     std::uint32_t bits = node * 0x9e3779b1U ^ (number_ + 1) * 0x85ebca6bU;
-    for (const std::uint32_t factor : {0x7feb352dU, 0x846ca68bU}) bits = (bits ^ (bits >> 16)) * factor;
-    bits ^= bits >> 16;
-    return T(bits >> 8) / T(1 << 23) - 1;
+    bits = (bits ^ (bits >> 16)) * 0x7feb352dU;
+    bits = (bits ^ (bits >> 16)) * 0x846ca68bU;
+    return T((bits ^ (bits >> 16)) >> 8) / T(1 << 23) - 1;
   }
 
   T height_m_ = 0, nodes_per_m_ = 1;
