@@ -207,7 +207,7 @@ TEST(KeysThatBow, TuneTheTorsionOfTheirString) {
 
   InstrumentModel model = parse_instrument(with_torsion(0, tuned), "fiddle.json");
   const double before = arrays_of(model, kRate / 2).angular_frequencies[30];  // behind the modes of the string
-  tune(model, 1200);  // as voices of a score do
+  tune(model, 1200);                                                          // as voices of a score do
   EXPECT_TRUE(relatively_within(arrays_of(model, kRate / 2).angular_frequencies[30], 2 * before, 1e-12));
 }
 

@@ -73,7 +73,8 @@ struct Rubbed {
       std::complex<double> sum = 0;
       const double w = 2 * std::numbers::pi * hz / kRate;
       for (std::size_t n = 0; n < size; ++n)
-        sum += sound[begin + n] * std::sin(std::numbers::pi * double(n) / double(size)) * std::polar(1.0, w * double(n));
+        sum +=
+            sound[begin + n] * std::sin(std::numbers::pi * double(n) / double(size)) * std::polar(1.0, w * double(n));
       sums.push_back(sums.back() + std::norm(sum) * hz);
     }
     const auto half = std::ranges::lower_bound(sums, sums.back() / 2) - sums.begin();

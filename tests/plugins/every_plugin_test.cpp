@@ -343,8 +343,8 @@ TEST_P(EveryPlugin, SurvivesHostileSetsAtAllRatesInAllBlocks) {
   }
 }
 
-// For six seconds all parameters of a bow jump in each block over their ranges, while keys go down and up; six seconds
-// after the last one the strings have rung out.
+// For six seconds all parameters of a bow jump in each block over their ranges, while keys go down and up; six
+// seconds after the last one the strings have rung out.
 TEST_P(EveryPlugin, RingsOutAfterAnyBowing) {
   const auto plugin = open(kRate);
   auto bow = prompt_parameters(*plugin);
