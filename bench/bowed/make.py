@@ -8,7 +8,7 @@
 PROGRAM is contactspline. RECORDINGS holds SOURCE/KEY.wav, notes that are held, by the key of MIDI. `fit` writes FILE:
 
 1. strings: impedances and tensions of INSTRUMENTS below; losses of equal quality on all strings; torsion with 2.5 times the
-   impedance and 5.5 times the frequencies, quality 30; a bow of POINTS over HAIR_M, 0.12 of the length from the bridge, with a force
+   impedance and 5.5 times the frequencies, at each key, quality 30; a bow of POINTS over HAIR_M, 0.12 of the length from the bridge, with a force
    over speed of 4.8 to 12 times the impedance: the lower half of the range, in dB, over which bench/bowing found Helmholtz motion on
    the violin's D string with assumed losses;
 2. body: the low modes of INSTRUMENTS, and above them modes at equal ratios of frequency, SPACING, with the loss factor LOSS.
@@ -96,7 +96,7 @@ def string_parts(instrument, name, key, tension_n, stiffness):
     torsion = [(5.5 * f * n, math.pi * 5.5 * f * n / 30, 2.5 / 5.5 * per_m * length / 2) for n in range(1, count + 1)]
     shapes = [rounded(math.sin(math.pi * n * BOW)) for n in range(1, count + 1)]
     bodies = [{"name": name, "string": string, "max_modes": min(70, int(21000 / f))},
-              {"name": f"{name}_torsion", "modes": modes(torsion)}]
+              {"name": f"{name}_torsion", "tuned_with": name, "modes": modes(torsion)}]
     middle = rounded(length * (1 - BOW), 4)
     hair = [rounded(middle + ((point + 0.5) / POINTS - 0.5) * HAIR_M) for point in range(POINTS)]
     places = [{"name": f"{name}_bowed", "body": name, "positions_m": hair},

@@ -107,6 +107,7 @@ class Flattener {
 
   InstrumentArrays flatten() {
     for (const InstrumentBody& body : model_.bodies) add_body(body);
+    if (model_.keys.tune()) add_tuned_with();
     for (const InstrumentPlace& place : model_.places) add_place(place);
     for (const ContactTable& table : model_.tables) add_table(table);
     if (arrays_.memories.empty()) arrays_.memory_ends.clear();
@@ -135,12 +136,24 @@ class Flattener {
     modes_.push_back(numbered_modes_of(body.resonator, limit_hz(body.resonator)).modes);
     sort_for_forms(body, modes_.back());
     for (const NumberedMode& mode : modes_.back())
-      add_mode(mode.mode, string == nullptr ? 0 : square_by_tension(*string, mode),
+      add_mode(mode.mode, string != nullptr ? square_by_tension(*string, mode) : square_by_tuning(body, mode.mode),
                string == nullptr ? 0 : mode.wavenumber_per_m);
     if (body.longitudinal > 0)
       for (const Mode& mode : longitudinal_modes(body.as_stretching_string())) add_mode(mode, 0, 0);
     arrays_.body_ends.push_back(arrays_.masses.size());
     add_forms(body);
+  }
+
+  // Modes that are tuned with a string keep the ratio of their frequencies to its.
+  static double square_by_tuning(const InstrumentBody& body, const Mode& mode) {
+    return body.tuned_with ? mode.angular_frequency_rad_per_s * mode.angular_frequency_rad_per_s : 0;
+  }
+
+  void add_tuned_with() {
+    if (std::ranges::none_of(model_.bodies, [](const InstrumentBody& body) { return body.tuned_with.has_value(); }))
+      return;
+    for (std::size_t b = 0; b < model_.bodies.size(); ++b)
+      arrays_.tuned_with.push_back(model_.bodies[b].tuned_with.value_or(b));
   }
 
   // Tension moves neither free masses nor longitudinal modes, and no place moves along them.
@@ -417,7 +430,8 @@ InstrumentData InstrumentArrays::view() const {
                     .damped = model->keys.damped,
                     .damper_per_s = model->keys.damper_per_s,
                     .sustain = model->keys.sustain,
-                    .bend = model->keys.bend},
+                    .bend = model->keys.bend,
+                    .tuned_with = tuned_with},
           .preset_names = preset_names,
           .preset_values = preset_values,
           .wavenumbers = wavenumbers,
@@ -457,8 +471,12 @@ InstrumentArrays arrays_of(const InstrumentModel& model, double max_frequency_hz
 }
 
 void tune(InstrumentModel& model, double cents) {
-  for (InstrumentBody& body : model.bodies)
+  for (InstrumentBody& body : model.bodies) {
     if (auto* string = std::get_if<StiffString>(&body.resonator.body)) string->detuning_cents.front() += cents;
+    if (!body.tuned_with) continue;
+    for (ModeTable::Row& row : std::get<ModeTable>(body.resonator.body).rows)
+      row.mode.angular_frequency_rad_per_s *= std::exp2(cents / 1200);
+  }
 }
 
 InstrumentModel without_keys(InstrumentModel model) {

@@ -31,8 +31,9 @@ struct InstrumentBody {
   double axial_stiffness_n = 0;  ///< of a string that stretches
   std::size_t longitudinal = 0;  ///< of such a string: number of modes along itself
   Losses longitudinal_losses = {};
-  std::size_t airy_functions = 0;        ///< of a plate: number of its forms
-  PlateEdges edges = PlateEdges::kFree;  ///< of a rectangular plate that stretches
+  std::size_t airy_functions = 0;              ///< of a plate: number of its forms
+  PlateEdges edges = PlateEdges::kFree;        ///< of a rectangular plate that stretches
+  std::optional<std::size_t> tuned_with = {};  ///< of a table of modes: the string with which keys tune it
 
   [[nodiscard]] bool stretches() const { return stretch_j > 0 || axial_stiffness_n > 0 || airy_functions > 0; }
   /// Precondition: a string.
@@ -182,6 +183,7 @@ struct InstrumentArrays {
   std::vector<Event> events;
   std::vector<Output> outputs;
   std::vector<double> tension_squares;  ///< of the modes; empty unless keys tune them
+  std::vector<std::size_t> tuned_with;  ///< of the bodies; empty unless keys tune one with another
   std::size_t far_ends = 0;             ///< the last places are far ends of strings
   std::vector<const char*> preset_names;
   std::vector<double> preset_values;

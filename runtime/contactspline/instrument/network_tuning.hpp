@@ -27,18 +27,19 @@ template <std::floating_point T>
 class NetworkTuning {
  public:
   NetworkTuning() = default;
-  /// One Mode and one square for each mode of the network, body after body.
-  NetworkTuning(std::vector<Mode> modes, std::span<const double> squares, std::span<const std::size_t> body_ends)
-      : modes_(std::move(modes)), tuned_(modes_), squares_(squares) {
+  /// One Mode for each mode of the network, body after body.
+  NetworkTuning(std::vector<Mode> modes, const KeyedData& keyed, std::span<const std::size_t> body_ends)
+      : modes_(std::move(modes)), tuned_(modes_), squares_(keyed.tension_squares) {
     for (std::size_t b = 0, begin = 0; b < body_ends.size(); begin = body_ends[b++])
-      if (is_tuned(begin, body_ends[b])) strings_.push_back({b, begin, body_ends[b]});
+      if (is_tuned(begin, body_ends[b]))
+        strings_.push_back({b, keyed.tuned_with.empty() ? b : keyed.tuned_with[b], begin, body_ends[b]});
   }
 
   [[nodiscard]] bool is_tunable() const { return !strings_.empty(); }
   /// string: a body, or kAllStrings.
   void tune(double cents, std::size_t string) {
     for (String& tuned : strings_)
-      if (string == kAllStrings || string == tuned.body) tuned.target = cents;
+      if (string == kAllStrings || string == tuned.with) tuned.target = cents;
   }
   [[nodiscard]] bool has_arrived() const {
     return std::ranges::all_of(strings_, [&](const String& s) { return s.target + shift_ == s.bend.cents(); });
@@ -48,7 +49,7 @@ class NetworkTuning {
   /// Calls visit(body, cents) with what tune() has set.
   template <typename Visitor>
   void each(const Visitor& visit) const {
-    for (const String& string : strings_) visit(string.body, string.target);
+    for (const String& string : strings_) visit(string.with, string.target);
   }
   /// A change that is under way need not wait, as where the network is at rest.
   void follow_now() {
@@ -91,7 +92,7 @@ class NetworkTuning {
   static constexpr std::size_t kStep = 64;  // samples
 
   struct String {
-    std::size_t body, begin, end;  // modes
+    std::size_t body, with, begin, end;  // modes; with: the string whose tuning it follows, or itself
     Bend bend = {};
     double target = 0;
     std::size_t wait = 0;  // samples until its tension changes again

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <concepts>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -20,6 +21,7 @@
 #include "contactspline/step/contact.hpp"
 #include "contactspline/step/controls.hpp"
 #include "contactspline/step/friction_heat.hpp"
+#include "contactspline/step/roughness.hpp"
 
 namespace contactspline::detail {
 
@@ -142,6 +144,8 @@ struct NetworkConnection {
   T before = 0;               // compression at the beginning of the sample [m]
   bool is_awake = true;
   bool is_following = false;
+  RoughSurface<T> surface;  // of a contact
+  T slide = 0;              // by how much it slides by itself in a sample [m]
   // Of friction.
   T normal_force = 0;  // target, without that of another connection [N]
   std::size_t pressed_by;
@@ -163,7 +167,11 @@ struct NetworkParts {
     }
     for (std::size_t p = 0; p < places.size(); ++p) bodies[places[p].body].places.push_back(p);
     for (NetworkBody<T>& body : bodies) body.reserve(body.places.size());
-    for (const auto& connection : plan.connections()) connections.emplace_back(connection);
+    for (const auto& connection : plan.connections()) {
+      connections.emplace_back(connection);
+      if (connection.roughness.height_m > 0)
+        connections.back().surface = {connection.roughness, static_cast<std::uint32_t>(connections.size())};
+    }
     for (NetworkConnection<T>& c : connections) {
       if (c.first != kGround) c.first_body = places[c.first].body;
       if (c.second != kGround) c.second_body = places[c.second].body;
