@@ -151,8 +151,11 @@ std::string add_cpp_keys(const ModelKeys& keys, const InstrumentArrays& arrays, 
   text += cpp_numbers("tension_squares", arrays.tension_squares);
   text += cpp_array("std::size_t", keys.damped.size(), "damped", whole_numbers(keys.damped));
   const auto parameter = [](std::size_t p) { return place_or("kNoParameter", p); };
-  return fmt::format("{{key_ranges, {}, tension_squares, {}, damped, {}, {}, {}}}", keys.voices, arrays.far_ends,
-                     literal(keys.damper_per_s), parameter(keys.sustain), parameter(keys.bend));
+  if (!arrays.tuned_with.empty())
+    text += cpp_array("std::size_t", arrays.tuned_with.size(), "tuned_with", whole_numbers(arrays.tuned_with));
+  return fmt::format("{{key_ranges, {}, tension_squares, {}, damped, {}, {}, {}{}}}", keys.voices, arrays.far_ends,
+                     literal(keys.damper_per_s), parameter(keys.sustain), parameter(keys.bend),
+                     arrays.tuned_with.empty() ? "" : ", tuned_with");
 }
 
 // Adds the arrays of listening places to the text and to the view of them.
@@ -353,6 +356,8 @@ std::string json_options_of(const InstrumentModel& model, const InstrumentArrays
         model.keys.voices);
     if (!arrays.tension_squares.empty())
       text += fmt::format(",\n  \"tension_squares_per_s2\": [\n{}\n  ]", literal_rows(arrays.tension_squares, 4));
+    if (!arrays.tuned_with.empty())
+      text += fmt::format(",\n  \"tuned_with\": [{}]", whole_numbers(arrays.tuned_with));
     if (!model.keys.damped.empty())
       text += fmt::format(",\n  \"damper\": {{\"bodies\": [{}], \"damping_per_s\": {}}}",
                           whole_numbers(model.keys.damped), literal(model.keys.damper_per_s));

@@ -119,24 +119,38 @@ class Flattener {
     arrays_.plucks = model_.plucks;
     for (const ModelBow& bow : model_.bows)
       arrays_.bows.push_back({first_connection_[bow.group], model_.connections[bow.group].gaps_m.size(), bow.limits});
+    add_tuned();
     add_lists();
     return std::move(arrays_);
   }
 
  private:
-  // Keys that lower a string bring down modes that lie above the limit.
+  // Do keys name the body, which comes next, to tune it?
+  [[nodiscard]] bool is_tuned_by_name() const {
+    return std::ranges::any_of(model_.keys.tuned, [&](const std::vector<std::size_t>& tuned) {
+      return std::ranges::count(tuned, modes_.size()) > 0;
+    });
+  }
+
+  // Keys that lower a body bring down modes that lie above the limit.
   [[nodiscard]] double limit_hz(const Resonator& resonator) const {
-    const bool is_lowered = std::holds_alternative<StiffString>(resonator.body);
+    const bool is_lowered = std::holds_alternative<StiffString>(resonator.body) || is_tuned_by_name();
     return max_frequency_hz_ * (is_lowered ? std::exp2(-lowest_key_cents(model_) / 1200) : 1);
   }
 
   void add_body(const InstrumentBody& body) {
     const auto* string = std::get_if<StiffString>(&body.resonator.body);
+    const bool is_tuned = is_tuned_by_name();
     modes_.push_back(numbered_modes_of(body.resonator, limit_hz(body.resonator)).modes);
     sort_for_forms(body, modes_.back());
-    for (const NumberedMode& mode : modes_.back())
-      add_mode(mode.mode, string == nullptr ? 0 : square_by_tension(*string, mode),
+    for (const NumberedMode& mode : modes_.back()) {
+      const double w = mode.mode.angular_frequency_rad_per_s;
+      add_mode(mode.mode,
+               string != nullptr ? square_by_tension(*string, mode)
+               : is_tuned        ? w * w
+                                 : 0,
                string == nullptr ? 0 : mode.wavenumber_per_m);
+    }
     if (body.longitudinal > 0)
       for (const Mode& mode : longitudinal_modes(body.as_stretching_string())) add_mode(mode, 0, 0);
     arrays_.body_ends.push_back(arrays_.masses.size());
@@ -327,6 +341,15 @@ class Flattener {
     arrays_.sources.push_back({output.quantity, begin, arrays_.targets.size() - begin});
   }
 
+  // Bodies that are tuned alone need no list.
+  void add_tuned() {
+    for (const std::vector<std::size_t>& tuned : model_.keys.tuned) {
+      for (std::size_t b = arrays_.tuned_with.size(); tuned.size() > 1 && b < model_.bodies.size(); ++b)
+        arrays_.tuned_with.push_back(b);
+      for (const std::size_t body : std::span(tuned).subspan(1)) arrays_.tuned_with[body] = tuned.front();
+    }
+  }
+
   // What hosts see, with the names of the model that the arrays keep.
   void add_lists() {
     const InstrumentModel& kept = *arrays_.model;
@@ -417,7 +440,8 @@ InstrumentData InstrumentArrays::view() const {
                     .damped = model->keys.damped,
                     .damper_per_s = model->keys.damper_per_s,
                     .sustain = model->keys.sustain,
-                    .bend = model->keys.bend},
+                    .bend = model->keys.bend,
+                    .tuned_with = tuned_with},
           .preset_names = preset_names,
           .preset_values = preset_values,
           .wavenumbers = wavenumbers,

@@ -112,6 +112,7 @@ struct ModelKeys {
   std::vector<std::size_t> damped;  ///< bodies
   double damper_per_s = 0;
   std::size_t sustain = kNoParameter, bend = kNoParameter;
+  std::vector<std::vector<std::size_t>> tuned;  ///< bodies that rows name, to tune together
 
   [[nodiscard]] bool tune() const {
     return std::ranges::any_of(ranges, [](const KeyRange& range) { return range.tuned_key >= 0; });
@@ -182,6 +183,7 @@ struct InstrumentArrays {
   std::vector<Event> events;
   std::vector<Output> outputs;
   std::vector<double> tension_squares;  ///< of the modes; empty unless keys tune them
+  std::vector<std::size_t> tuned_with;  ///< as in KeyedData
   std::size_t far_ends = 0;             ///< the last places are far ends of strings
   std::vector<const char*> preset_names;
   std::vector<double> preset_values;

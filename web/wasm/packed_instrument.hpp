@@ -105,7 +105,7 @@ void take_instrument(Archive& archive, InstrumentData& data) {
            data.half_curvatures, data.table_ends, data.connections, data.controls, data.targets, data.strikes,
            data.plucks, data.sources, data.parameters, data.events, data.outputs, keyed.ranges, keyed.voices,
            keyed.tension_squares, keyed.far_ends, keyed.damped, keyed.damper_per_s, keyed.sustain, keyed.bend,
-           data.preset_names, data.preset_values, data.wavenumbers, data.memories, data.memory_ends,
+           keyed.tuned_with, data.preset_names, data.preset_values, data.wavenumbers, data.memories, data.memory_ends,
            data.pressure_rate_hz, data.pressure_paths, data.pressure_taps, data.holds, data.stretch_forms,
            data.stretch_squares, data.stretch_products, data.bows, data.assistance, data.input_places,
            data.input_scale_n, data.offsets_m);
