@@ -96,7 +96,7 @@ def string_parts(instrument, name, key, tension_n, stiffness):
     torsion = [(5.5 * f * n, math.pi * 5.5 * f * n / 30, 2.5 / 5.5 * per_m * length / 2) for n in range(1, count + 1)]
     shapes = [rounded(math.sin(math.pi * n * BOW)) for n in range(1, count + 1)]
     bodies = [{"name": name, "string": string, "max_modes": min(70, int(21000 / f))},
-              {"name": f"{name}_torsion", "tuned_with": name, "modes": modes(torsion)}]
+              {"name": f"{name}_torsion", "modes": modes(torsion)}]
     middle = rounded(length * (1 - BOW), 4)
     hair = [rounded(middle + ((point + 0.5) / POINTS - 0.5) * HAIR_M) for point in range(POINTS)]
     places = [{"name": f"{name}_bowed", "body": name, "positions_m": hair},
@@ -133,7 +133,7 @@ def instrument_of(kind, wood):
         file["places"] += places
         file["bows"].append({"friction": f"on_{name}", "min_n_s_per_m": rounded(4.8 * impedance, 3), "max_n_s_per_m": rounded(12 * impedance, 3)})
         last = instrument["strings"][index + 1][1] - 1 if index < 3 else key + ABOVE
-        file["keys"].append({"first": key, "last": last, "event": f"bow_on_{name}", "tuned_key": key, "string": name})
+        file["keys"].append({"first": key, "last": last, "event": f"bow_on_{name}", "tuned_key": key, "bodies": [name, f"{name}_torsion"]})
     file["bodies"].append({"name": "box", "modes": modes(box)})
     file["places"] += [{"name": "bridge", "body": "box", "shapes": [1] * len(box)}, {"name": "wood", "body": "box", "shapes": wood}]
     return file

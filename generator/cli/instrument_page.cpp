@@ -117,7 +117,13 @@ std::string connection_row(const InstrumentModel& model, const ConnectionGroup& 
 
 std::string key_row(const InstrumentModel& model, const KeyRange& range) {
   const std::string& event = model.events[range.event].name;
-  return range.tuned_key < 0 ? event : fmt::format("{}, tuned: {} has the pitch of the file", event, range.tuned_key);
+  if (range.tuned_key < 0) return event;
+  std::vector<std::string_view> bodies;
+  for (const std::vector<std::size_t>& tuned : model.keys.tuned)
+    for (const std::size_t body : tuned.front() == range.string ? tuned : std::vector<std::size_t>{})
+      bodies.push_back(model.bodies[body].name);
+  return fmt::format("{}, tuned{}{}: {} has the pitch of the file", event, bodies.empty() ? "" : " on ",
+                     fmt::join(bodies, ", "), range.tuned_key);
 }
 
 std::string damper_row(const InstrumentModel& model) {

@@ -29,7 +29,7 @@ class BodyReader {
     for (const JsonObject& body :
          draft_.json.objects("bodies",
                              {"name", "resonator", "string", "bar", "membrane", "plate", "round_plate", "modes",
-                              "mass_kg", "tuning_cents", "max_modes", "stretch", "tuned_with"},
+                              "mass_kg", "tuning_cents", "max_modes", "stretch"},
                              kMaxBodies))
       read_body(body);
     for (const JsonObject& place : draft_.objects("places", {"name", "body", "position_m", "angle_rad", "across_m",
@@ -69,7 +69,7 @@ class BodyReader {
     return table;
   }
 
-  void read_modifiers(const JsonObject& body, InstrumentBody& read) const {
+  static void read_modifiers(const JsonObject& body, InstrumentBody& read) {
     auto* string = std::get_if<StiffString>(&read.resonator.body);
     if (string != nullptr && string->detuning_cents.size() != 1)
       body.fail(body.key(body.has("resonator") ? "resonator" : "string"), "has several strings", "one body each");
@@ -82,18 +82,6 @@ class BodyReader {
       read.resonator.max_modes = body.integer("max_modes", 1, max_modes_of(read.resonator.body));
     }
     if (body.has("stretch")) read_stretch(body, read);
-    if (body.has("tuned_with")) read_tuned_with(body, read);
-  }
-
-  // An earlier string with which keys tune a table of modes, such as its torsion.
-  void read_tuned_with(const JsonObject& body, InstrumentBody& read) const {
-    const std::string key = body.key("tuned_with");
-    if (read.is_mass || !std::holds_alternative<ModeTable>(read.resonator.body))
-      body.fail(key, fmt::format("is not for a body of the kind '{}'", kind_of(read)), "beside modes");
-    const std::string name = body.text("tuned_with", joined(names_of(model_.bodies)));
-    read.tuned_with = index_of(body, key, name, model_.bodies, "body above this one");
-    if (!std::holds_alternative<StiffString>(model_.bodies[*read.tuned_with].resonator.body))
-      body.fail(key, fmt::format("'{}' is not a string", name), "a string above this body");
   }
 
   // The axial stiffness of a string (Kirchhoff and Carrier), the stiffness of the form of a membrane (Berger), or the

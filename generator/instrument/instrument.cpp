@@ -107,7 +107,6 @@ class Flattener {
 
   InstrumentArrays flatten() {
     for (const InstrumentBody& body : model_.bodies) add_body(body);
-    if (model_.keys.tune()) add_tuned_with();
     for (const InstrumentPlace& place : model_.places) add_place(place);
     for (const ContactTable& table : model_.tables) add_table(table);
     if (arrays_.memories.empty()) arrays_.memory_ends.clear();
@@ -120,40 +119,44 @@ class Flattener {
     arrays_.plucks = model_.plucks;
     for (const ModelBow& bow : model_.bows)
       arrays_.bows.push_back({first_connection_[bow.group], model_.connections[bow.group].gaps_m.size(), bow.limits});
+    add_tuned();
     add_lists();
     return std::move(arrays_);
   }
 
  private:
-  // Keys that lower a string bring down modes that lie above the limit.
+  // Do keys name the body, which comes next, to tune it?
+  [[nodiscard]] bool is_tuned_by_name() const {
+    return std::ranges::any_of(model_.keys.tuned, [&](const std::vector<std::size_t>& tuned) {
+      return std::ranges::count(tuned, modes_.size()) > 0;
+    });
+  }
+
+  // Keys that lower a body bring down modes that lie above the limit.
   [[nodiscard]] double limit_hz(const Resonator& resonator) const {
-    const bool is_lowered = std::holds_alternative<StiffString>(resonator.body);
+    const bool is_lowered = std::holds_alternative<StiffString>(resonator.body) || is_tuned_by_name();
     return max_frequency_hz_ * (is_lowered ? std::exp2(-lowest_key_cents(model_) / 1200) : 1);
   }
 
   void add_body(const InstrumentBody& body) {
     const auto* string = std::get_if<StiffString>(&body.resonator.body);
-    modes_.push_back(numbered_modes_of(body.resonator, limit_hz(body.resonator)).modes);
+    const double ratio = std::exp2(body.tuning_cents / 1200);
+    const bool is_tuned = is_tuned_by_name();
+    modes_.push_back(numbered_modes_of(body.resonator, limit_hz(body.resonator) / ratio).modes);
     sort_for_forms(body, modes_.back());
-    for (const NumberedMode& mode : modes_.back())
-      add_mode(mode.mode, string != nullptr ? square_by_tension(*string, mode) : square_by_tuning(body, mode.mode),
+    for (NumberedMode& mode : modes_.back()) {
+      mode.mode.angular_frequency_rad_per_s *= ratio;
+      const double w = mode.mode.angular_frequency_rad_per_s;
+      add_mode(mode.mode,
+               string != nullptr ? square_by_tension(*string, mode)
+               : is_tuned        ? w * w
+                                 : 0,
                string == nullptr ? 0 : mode.wavenumber_per_m);
+    }
     if (body.longitudinal > 0)
       for (const Mode& mode : longitudinal_modes(body.as_stretching_string())) add_mode(mode, 0, 0);
     arrays_.body_ends.push_back(arrays_.masses.size());
     add_forms(body);
-  }
-
-  // Modes that are tuned with a string keep the ratio of their frequencies to its.
-  static double square_by_tuning(const InstrumentBody& body, const Mode& mode) {
-    return body.tuned_with ? mode.angular_frequency_rad_per_s * mode.angular_frequency_rad_per_s : 0;
-  }
-
-  void add_tuned_with() {
-    if (std::ranges::none_of(model_.bodies, [](const InstrumentBody& body) { return body.tuned_with.has_value(); }))
-      return;
-    for (std::size_t b = 0; b < model_.bodies.size(); ++b)
-      arrays_.tuned_with.push_back(model_.bodies[b].tuned_with.value_or(b));
   }
 
   // Tension moves neither free masses nor longitudinal modes, and no place moves along them.
@@ -340,6 +343,15 @@ class Flattener {
     arrays_.sources.push_back({output.quantity, begin, arrays_.targets.size() - begin});
   }
 
+  // Bodies that are tuned alone need no list.
+  void add_tuned() {
+    for (const std::vector<std::size_t>& tuned : model_.keys.tuned) {
+      for (std::size_t b = arrays_.tuned_with.size(); tuned.size() > 1 && b < model_.bodies.size(); ++b)
+        arrays_.tuned_with.push_back(b);
+      for (const std::size_t body : std::span(tuned).subspan(1)) arrays_.tuned_with[body] = tuned.front();
+    }
+  }
+
   // What hosts see, with the names of the model that the arrays keep.
   void add_lists() {
     const InstrumentModel& kept = *arrays_.model;
@@ -471,12 +483,11 @@ InstrumentArrays arrays_of(const InstrumentModel& model, double max_frequency_hz
 }
 
 void tune(InstrumentModel& model, double cents) {
-  for (InstrumentBody& body : model.bodies) {
+  for (InstrumentBody& body : model.bodies)
     if (auto* string = std::get_if<StiffString>(&body.resonator.body)) string->detuning_cents.front() += cents;
-    if (!body.tuned_with) continue;
-    for (ModeTable::Row& row : std::get<ModeTable>(body.resonator.body).rows)
-      row.mode.angular_frequency_rad_per_s *= std::exp2(cents / 1200);
-  }
+  for (const std::vector<std::size_t>& tuned : model.keys.tuned)
+    for (const std::size_t b : tuned)
+      if (!std::holds_alternative<StiffString>(model.bodies[b].resonator.body)) model.bodies[b].tuning_cents += cents;
 }
 
 InstrumentModel without_keys(InstrumentModel model) {

@@ -31,9 +31,9 @@ struct InstrumentBody {
   double axial_stiffness_n = 0;  ///< of a string that stretches
   std::size_t longitudinal = 0;  ///< of such a string: number of modes along itself
   Losses longitudinal_losses = {};
-  std::size_t airy_functions = 0;              ///< of a plate: number of its forms
-  PlateEdges edges = PlateEdges::kFree;        ///< of a rectangular plate that stretches
-  std::optional<std::size_t> tuned_with = {};  ///< of a table of modes: the string with which keys tune it
+  std::size_t airy_functions = 0;        ///< of a plate: number of its forms
+  PlateEdges edges = PlateEdges::kFree;  ///< of a rectangular plate that stretches
+  double tuning_cents = 0;               ///< of all frequencies of a body that is no string
 
   [[nodiscard]] bool stretches() const { return stretch_j > 0 || axial_stiffness_n > 0 || airy_functions > 0; }
   /// Precondition: a string.
@@ -113,6 +113,7 @@ struct ModelKeys {
   std::vector<std::size_t> damped;  ///< bodies
   double damper_per_s = 0;
   std::size_t sustain = kNoParameter, bend = kNoParameter;
+  std::vector<std::vector<std::size_t>> tuned;  ///< bodies that rows name, to tune together
 
   [[nodiscard]] bool tune() const {
     return std::ranges::any_of(ranges, [](const KeyRange& range) { return range.tuned_key >= 0; });
@@ -183,7 +184,7 @@ struct InstrumentArrays {
   std::vector<Event> events;
   std::vector<Output> outputs;
   std::vector<double> tension_squares;  ///< of the modes; empty unless keys tune them
-  std::vector<std::size_t> tuned_with;  ///< of the bodies; empty unless keys tune one with another
+  std::vector<std::size_t> tuned_with;  ///< as in KeyedData
   std::size_t far_ends = 0;             ///< the last places are far ends of strings
   std::vector<const char*> preset_names;
   std::vector<double> preset_values;

@@ -22,7 +22,8 @@ class KeyReader {
   void read() {
     for (const char* key : {"polyphony", "damper"})
       if (draft_.json.has(key) && !draft_.json.has("keys")) draft_.json.fail(key, "has no place here", "beside keys");
-    for (const JsonObject& row : draft_.objects("keys", {"key", "first", "last", "event", "tuned_key", "string"}))
+    for (const JsonObject& row :
+         draft_.objects("keys", {"key", "first", "last", "event", "tuned_key", "string", "bodies"}))
       read_key(row);
     if (model_.keys.ranges.empty()) return;
     std::ranges::sort(model_.keys.ranges, {}, &KeyRange::first);
@@ -51,7 +52,7 @@ class KeyReader {
     const std::string name = row.text("event", joined(names_of(model_.events)));
     range.event = index_of(row, row.key("event"), name, model_.events, "event");
     if (row.has("tuned_key")) read_tuned_key(row, range);
-    if (row.has("string")) read_string(row, range);
+    if (row.has("string") || row.has("bodies")) read_tuned(row, range);
     for (const KeyRange& other : model_.keys.ranges)
       if (range.first <= other.last && other.first <= range.last)
         row.fail(row.key(key), fmt::format("key {} plays two events", std::max(range.first, other.first)),
@@ -71,8 +72,8 @@ class KeyReader {
     const auto is_string = [](const InstrumentBody& body) {
       return std::holds_alternative<StiffString>(body.resonator.body);
     };
-    if (std::ranges::none_of(model_.bodies, is_string))
-      row.fail(row.key("tuned_key"), "tunes nothing", "in a file with a string among its bodies");
+    if (std::ranges::none_of(model_.bodies, is_string) && !row.has("bodies"))
+      row.fail(row.key("tuned_key"), "tunes nothing", "in a file with a string among its bodies, or beside bodies");
     for (const int key : {range.first, range.last})
       if (std::abs(key - range.tuned_key) > kMaxSemitones)
         row.fail(row.key("tuned_key"),
@@ -80,13 +81,31 @@ class KeyReader {
                  fmt::format("at most {} semitones, such as {}", kMaxSemitones, (range.first + range.last) / 2));
   }
 
-  // The string that keys tune, in place of all.
-  void read_string(const JsonObject& row, KeyRange& range) const {
-    if (range.tuned_key < 0) row.fail(row.key("string"), "has no tuned_key", "beside tuned_key");
-    const std::string name = row.text("string", joined(names_of(model_.bodies)));
-    range.string = index_of(row, row.key("string"), name, model_.bodies, "body");
-    if (!std::holds_alternative<StiffString>(model_.bodies[range.string].resonator.body))
-      row.fail(row.key("string"), fmt::format("'{}' is not a string", name), "a body that is a string");
+  // What keys tune in place of all strings: one string, or bodies that go together.
+  void read_tuned(const JsonObject& row, KeyRange& range) {
+    const std::string named = one_of_keys(row, {"string", "bodies"}, "kinds of what is tuned");
+    const std::string key = row.key(named);
+    if (range.tuned_key < 0) row.fail(key, "has no tuned_key", "beside tuned_key");
+    const std::string names = joined(names_of(model_.bodies));
+    std::vector<std::size_t> tuned;
+    for (const std::string& name :
+         named == "string" ? std::vector{row.text("string", names)} : row.texts("bodies", names, kMaxBodies)) {
+      const std::size_t body = index_of(row, key, name, model_.bodies, "body");
+      if (named == "string" && !std::holds_alternative<StiffString>(model_.bodies[body].resonator.body))
+        row.fail(key, fmt::format("'{}' is not a string", name), "a body that is a string");
+      if (model_.bodies[body].is_mass)
+        row.fail(key, fmt::format("'{}' is a free mass, which has no pitch", name), "bodies with modes");
+      if (std::ranges::count(tuned, body) > 0) row.fail(key, fmt::format("'{}' is named twice", name), "once");
+      tuned.push_back(body);
+    }
+    range.string = tuned.front();
+    if (std::ranges::count(model_.keys.tuned, tuned) > 0) return;
+    for (const auto& others : model_.keys.tuned)
+      for (const std::size_t body : tuned)
+        if (std::ranges::count(others, body) > 0)
+          row.fail(key, fmt::format("'{}' is tuned with others by other keys", model_.bodies[body].name),
+                   "the same bodies in the same order, or none of them");
+    model_.keys.tuned.push_back(std::move(tuned));
   }
 
   void read_damper(const JsonObject& damper) {

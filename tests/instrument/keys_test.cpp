@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Keys of instrument files: tuning against a file with that pitch, voices, damper and pedal, energy, presets.
+#include <fmt/format.h>
+
 #include "contactspline/instrument/network_instrument.hpp"
 #include "contactspline/instrument/voices.hpp"
 #include "generator/instrument/instrument_reader.hpp"
@@ -74,6 +76,54 @@ TEST_P(Tuned, KeyPlaysTheSamplesOfAFileWithItsPitch) {
   expect_alike(played(instrument, 8820), played(expected, 8820), 3e-8);
 }
 INSTANTIATE_TEST_SUITE_P(Keys, Tuned, ::testing::Values(48, 55, 60, 61, 72));
+
+// A bar over a tube, both of `ratio` times their pitch, on a box.
+std::string xylophone(double ratio, const std::string& more, double of_box = 1) {
+  return fmt::format(R"({{ "name": "xylophone",
+    "bodies": [ {{ "name": "box", "modes": [ {{ "frequency_hz": {}, "decay_per_s": 40, "mass_kg": 1 }} ] }},
+                {{ "name": "bar", "bar": {{ "length_m": 0.33, "mass_kg": 0.33, "bending_stiffness_n_m2": {}, "constant_loss_per_s": 0, "quadratic_loss_m2_per_s": 0 }}, "max_modes": 5 }},
+                {{ "name": "tube", "modes": [ {{ "frequency_hz": {}, "decay_per_s": 30, "mass_kg": 4e-4 }} ] }},
+                {{ "name": "mallet", "mass_kg": 0.02 }} ],
+    "places": [ {{ "name": "struck", "body": "bar", "position_m": 0.13 }}, {{ "name": "over", "body": "bar", "position_m": 0.16 }},
+                {{ "name": "mouth", "body": "tube", "shapes": [1] }}, {{ "name": "lid", "body": "box", "shapes": [1] }} ],
+    "contacts": [ {{ "name": "head", "between": ["mallet", "struck"], "material": "felt_c4" }} ],
+    "springs": [ {{ "name": "air", "between": ["over", "mouth"], "stiffness_n_per_m": 100 }},
+                 {{ "name": "frame", "between": ["over", "lid"], "stiffness_n_per_m": 50 }} ],
+    "strikes": ["mallet"], {}
+    "outputs": [ {{ "name": "struck", "velocity_m_per_s": "struck" }}, {{ "name": "mouth", "velocity_m_per_s": "mouth" }} ] }})",
+                     300 * of_box, 600 * ratio * ratio, 261.6 * ratio, more);
+}
+
+constexpr auto kBars =
+    R"("keys": [ { "first": 48, "last": 72, "event": "strike_mallet", "tuned_key": 60, "bodies": ["bar", "tube"] } ],)";
+
+// As above, of bodies that keys tune by name: w of the bar is proportional to the root of its bending stiffness.
+TEST_P(Tuned, KeyPlaysTheSamplesOfBarAndTubeOfItsPitch) {
+  const int key = GetParam();
+  const InstrumentArrays keyed = arrays_of_text(xylophone(1, kBars));
+  const InstrumentArrays by_file = arrays_of_text(xylophone(std::exp2((key - kTunedKey) / 12.0), ""));
+  Keyed instrument(keyed.view());
+  instrument.prepare(kRate);
+  NetworkInstrument<double> expected(by_file.view(), kRate);
+  instrument.note_on(key, 0.8);
+  expected.strike(0, 0.8 * 2.5);
+  expect_alike(played(instrument, 8820), played(expected, 8820), 3e-8);
+}
+
+// Keys tune the bodies of their row alone.
+TEST(Tuning, IsOfTheBodiesOfItsKeys) {
+  const InstrumentArrays keyed = arrays_of_text(xylophone(1, R"("keys": [
+    { "first": 48, "last": 60, "event": "strike_mallet", "tuned_key": 60, "bodies": ["tube", "bar"] },
+    { "first": 61, "last": 72, "event": "strike_mallet", "tuned_key": 60, "bodies": "box" } ], "polyphony": 1,)"));
+  const InstrumentArrays by_file = arrays_of_text(xylophone(0.5, "", 2));
+  Keyed instrument(keyed.view());
+  instrument.prepare(kRate);
+  NetworkInstrument<double> expected(by_file.view(), kRate);
+  instrument.note_on(48, 0);  // all rest: it tunes at once
+  instrument.note_on(72, 0.8);
+  expected.strike(0, 0.8 * 2.5);
+  expect_alike(played(instrument, 8820), played(expected, 8820), 3e-8);
+}
 
 // The sum of two keys is that of two instruments.
 TEST(Voices, SumTheirOutputs) {
@@ -283,8 +333,9 @@ TEST(Damper, FallsWithTheKeyUnlessThePedalHoldsIt) {
 
 // Energy minus work plus dissipation stays, also while a key tunes a string that sounds, and while the wheel bends.
 // The rounding of a thousandth of a million operations in each sample: 1e-12 of the energy.
-TEST(Tuning, KeepsTheBooksOfEnergy) {
-  const InstrumentArrays arrays = arrays_of_text(zither(0, std::string(kKeys) + R"("polyphony": 1,)"));
+class BooksOfTuning : public ::testing::TestWithParam<std::string> {};
+TEST_P(BooksOfTuning, AreKept) {
+  const InstrumentArrays arrays = arrays_of_text(GetParam());
   Keyed instrument(arrays.view());
   instrument.prepare(kRate);
   double balance = 0, largest = 0, work_of_tuning = 0;
@@ -311,6 +362,10 @@ TEST(Tuning, KeepsTheBooksOfEnergy) {
     play(3000);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(, BooksOfTuning,
+                         ::testing::Values(zither(0, std::string(kKeys) + R"("polyphony": 1,)"),
+                                           xylophone(1, std::string(kBars) + R"("polyphony": 1,)")));
 
 // At most what may be worked in 10 ms at 1 W in one step, whatever the keys do.
 TEST(Tuning, OfAStringThatSoundsDoesBoundedWork) {

@@ -142,11 +142,12 @@ struct PressurePath {
   std::size_t output, place, taps;
 };
 
-/// Stands for all strings of an instrument.
+/// Stands for all strings of an instrument, and all other bodies that keys tune.
 inline constexpr std::size_t kAllStrings = (std::numeric_limits<std::size_t>::max)();
 
-/// Keys of MIDI from `first` to `last` that play an event. tuned_key: the key at which a string, a body, or all
-/// strings have the pitch of the file; the others tune them, a semitone for each key. -1: the keys tune nothing.
+/// Keys of MIDI from `first` to `last` that play an event. tuned_key: the key at which a string, a body with those
+/// tuned with it, or all strings have the pitch of the file; the others tune them, a semitone for each key. -1: the
+/// keys tune nothing.
 struct KeyRange {
   int first, last;
   std::size_t event;
@@ -165,9 +166,9 @@ struct InstrumentBow {
 inline constexpr std::size_t kNoParameter = (std::numeric_limits<std::size_t>::max)();
 
 /// Keys, tuning and damper of an instrument file. tension_squares: for each mode what the tension adds to w0^2
-/// (square_by_tension) [1/s^2]; empty: nothing is tuned. far_ends: so many places, the last ones, are far ends of
-/// strings, where a displacement is a force. damped: the bodies under the damper. tuned_with: for each body the one
-/// with which it is tuned, as the torsion of a string with the string; empty: all are tuned by themselves.
+/// (square_by_tension) [1/s^2], or w^2 where all frequencies of a body go by one ratio; empty: nothing is tuned.
+/// far_ends: so many places, the last ones, are far ends of strings, where a displacement is a force. damped: the
+/// bodies under the damper. tuned_with: for each body the one that it is tuned with; empty: each by itself.
 struct KeyedData {
   std::span<const KeyRange> ranges;
   std::size_t voices = 1;

@@ -49,7 +49,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
       const auto values = data.preset_values.subspan(i * values_.size(), values_.size());
       presets_.push_back({data.preset_names[i], {values.begin(), values.end()}});
     }
-    if (!data.keyed.tension_squares.empty()) tuning_ = {data.modes(), data.keyed, data.body_ends};
+    if (!data.keyed.tension_squares.empty()) tuning_ = detail::NetworkTuning<T>(data);
     is_waiting_.resize(data.controls.size());
     for (std::size_t k = 0; k < data.connections.size(); ++k)
       if (data.connections[k].roughness.height_m > 0 ||
@@ -150,8 +150,8 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     damper_->lift();
   }
 
-  /// Tunes a string, which is a body, or all strings by a change of tension, beside the bend. One that rises under
-  /// load does at most 1 W of work.
+  /// Tunes a string, which is a body, with those tuned with it, or all strings by a change of tension, beside the
+  /// bend. One that rises under load does at most 1 W of work.
   void tune(double cents, std::size_t string = kAllStrings) {
     if (in_double_) in_double_->tune(cents, string);
     tuning_.tune(cents, string);

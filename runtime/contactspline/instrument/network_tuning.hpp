@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the keys of an instrument file need of its network: strings that are tuned, and a damper.
+// What the keys of an instrument file need of its network: strings and other bodies that are tuned, and a damper.
 #pragma once
 
 #include "contactspline/step/cpp20.hpp"
@@ -23,20 +23,22 @@
 namespace contactspline::detail {
 
 /// The tuning of the strings of a network, each by a change of its tension that follows its control like any bend.
+/// What a bar or another body has in place of a tension is its whole stiffness: its squares are those of its
+/// frequencies.
 template <std::floating_point T>
 class NetworkTuning {
  public:
   NetworkTuning() = default;
-  /// One Mode for each mode of the network, body after body.
-  NetworkTuning(std::vector<Mode> modes, const KeyedData& keyed, std::span<const std::size_t> body_ends)
-      : modes_(std::move(modes)), tuned_(modes_), squares_(keyed.tension_squares) {
-    for (std::size_t b = 0, begin = 0; b < body_ends.size(); begin = body_ends[b++])
-      if (is_tuned(begin, body_ends[b]))
-        strings_.push_back({b, keyed.tuned_with.empty() ? b : keyed.tuned_with[b], begin, body_ends[b]});
+  explicit NetworkTuning(const InstrumentData& data)
+      : modes_(data.modes()), tuned_(modes_), squares_(data.keyed.tension_squares) {
+    const auto& with = data.keyed.tuned_with;
+    for (std::size_t b = 0, begin = 0; b < data.body_ends.size(); begin = data.body_ends[b++])
+      if (is_tuned(begin, data.body_ends[b]))
+        strings_.push_back({b, begin, data.body_ends[b], with.empty() ? b : with[b]});
   }
 
   [[nodiscard]] bool is_tunable() const { return !strings_.empty(); }
-  /// string: a body, or kAllStrings.
+  /// string: a body, for it and those tuned with it, or kAllStrings.
   void tune(double cents, std::size_t string) {
     for (String& tuned : strings_)
       if (string == kAllStrings || string == tuned.with) tuned.target = cents;
@@ -49,7 +51,7 @@ class NetworkTuning {
   /// Calls visit(body, cents) with what tune() has set.
   template <typename Visitor>
   void each(const Visitor& visit) const {
-    for (const String& string : strings_) visit(string.with, string.target);
+    for (const String& string : strings_) visit(string.body, string.target);
   }
   /// A change that is under way need not wait, as where the network is at rest.
   void follow_now() {
@@ -92,7 +94,8 @@ class NetworkTuning {
   static constexpr std::size_t kStep = 64;  // samples
 
   struct String {
-    std::size_t body, with, begin, end;  // modes; with: the string whose tuning it follows, or itself
+    std::size_t body, begin, end;  // modes
+    std::size_t with;              // the body whose tuning it has
     Bend bend = {};
     double target = 0;
     std::size_t wait = 0;  // samples until its tension changes again

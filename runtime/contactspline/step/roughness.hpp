@@ -54,9 +54,9 @@ class RoughSurface {
   // -1 to 1. The multipliers of a hash of 32 bits are arbitrary, odd and large.
   [[nodiscard]] T at(std::uint32_t node) const {
     if (node == 0) return 0;
-    std::uint32_t bits = node * 0x9e3779b1U ^ (number_ + 1) * 0x85ebca6bU;
-    bits = (bits ^ (bits >> 16)) * 0x7feb352dU;
-    bits = (bits ^ (bits >> 16)) * 0x846ca68bU;
+    std::uint32_t bits = node * 0xc2c063ffU ^ (number_ + 1) * 0x958507adU;
+    bits = (bits ^ (bits >> 16)) * 0xf768064fU;
+    bits = (bits ^ (bits >> 16)) * 0x55113dc3U;
     return T((bits ^ (bits >> 16)) >> 8) / T(1 << 23) - 1;
   }
 
