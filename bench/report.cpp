@@ -158,18 +158,6 @@ void percentiles(const Build& build, const std::string& precision) {
   }
 }
 
-/// The number of modes against the time, in both precisions.
-void scaling(const Build& build) {
-  heading(fmt::format("Struck every 10 ms, ns per sample, {}, double/float:", build.name),
-          {"modes", "spline", "EXP-3", "Newton", "string alone", "roofline"});
-  for (const Measured* one : build.all("modes", "double")) {
-    std::vector<std::string> cells = {one->name[1]};
-    for (const char* scheme : {"spline", "EXP-3", "Newton", "string alone", "roofline"})
-      cells.push_back(in_both(build, {"modes", one->name[1]}, std::string("ns/") + scheme));
-    row(cells);
-  }
-}
-
 using Ratios = std::vector<std::optional<double>>;
 
 /// A goal for the time of the spline over others, and what was found.
@@ -329,7 +317,6 @@ void write(const std::vector<Build>& all, const std::string& folder) {
       all.front().ticks);
   percentiles(all.front(), "double");
   fmt::print("\n## Scaling\n\n![scaling in modes, segments and voices](../figures/speed_scaling.svg)\n");
-  scaling(all.front());
   draw(all.front(), folder);
 }
 
