@@ -249,20 +249,6 @@ void print_goals(const std::vector<Build>& all) {
   }
 }
 
-/// The same results of all builds side by side.
-void builds(const std::vector<Build>& all) {
-  std::vector<std::string> columns = {"struck every 10 ms, ns"};
-  for (const Build& build : all) columns.push_back(build.name);
-  heading("## Builds\n\nDouble/float:", columns);
-  for (const char* model : kStrings)
-    for (const char* scheme : {"spline", "EXP-3", "Newton", "fd.hammer"}) {
-      std::vector<std::string> cells = {fmt::format("{}, {}", model, scheme)};
-      for (const Build& build : all)
-        cells.push_back(in_both(build, {"ratios", model, "every 10 ms"}, std::string("ns/") + scheme));
-      row(cells);
-    }
-}
-
 /// Writes the data files for speed.gp from the first build: one column for each scheme.
 void draw(const Build& build, const std::string& folder) {
   const std::vector<std::string> schemes = {"spline",    "EXP-3",        "linearly implicit", "Newton",
@@ -344,7 +330,6 @@ void write(const std::vector<Build>& all, const std::string& folder) {
   percentiles(all.front(), "double");
   fmt::print("\n## Scaling\n\n![scaling in modes, segments and voices](../figures/speed_scaling.svg)\n");
   scaling(all.front());
-  builds(all);
   draw(all.front(), folder);
 }
 

@@ -92,8 +92,8 @@ BENCHMARK(asleep)->Name("voices, asleep")->Arg(1)->Arg(1024)->Unit(benchmark::kM
 /// Plays by one instruction set from now on, 0 by the best.
 void take(std::int64_t target) {
   hwy::SetSupportedTargetsForTest(target);
-  detail::take_vectorised_kernels<float>();
-  detail::take_vectorised_kernels<double>();
+  contactspline::detail::take_vectorised_kernels<float>();
+  contactspline::detail::take_vectorised_kernels<double>();
 }
 
 /// C4 in permanent contact, as the workload of bench/models.hpp: times per sample and voice of 64 voices in an

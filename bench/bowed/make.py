@@ -8,7 +8,7 @@
 PROGRAM is contactspline. RECORDINGS holds SOURCE/KEY.wav, notes that are held, by the key of MIDI. `fit` writes FILE:
 
 1. strings: impedances and tensions of INSTRUMENTS below; losses of equal quality on all strings; torsion with 2.5 times the
-   impedance and 5.5 times the frequencies, quality 30; a bow of POINTS over HAIR_M, 0.12 of the length from the bridge, with a force
+   impedance and 5.5 times the frequencies, at each key, quality 30; a bow of POINTS over HAIR_M, 0.12 of the length from the bridge, with a force
    over speed of 4.8 to 12 times the impedance: the lower half of the range, in dB, over which bench/bowing found Helmholtz motion on
    the violin's D string with assumed losses;
 2. body: the low modes of INSTRUMENTS, and above them modes at equal ratios of frequency, SPACING, with the loss factor LOSS.
@@ -133,7 +133,7 @@ def instrument_of(kind, wood):
         file["places"] += places
         file["bows"].append({"friction": f"on_{name}", "min_n_s_per_m": rounded(4.8 * impedance, 3), "max_n_s_per_m": rounded(12 * impedance, 3)})
         last = instrument["strings"][index + 1][1] - 1 if index < 3 else key + ABOVE
-        file["keys"].append({"first": key, "last": last, "event": f"bow_on_{name}", "tuned_key": key, "string": name})
+        file["keys"].append({"first": key, "last": last, "event": f"bow_on_{name}", "tuned_key": key, "bodies": [name, f"{name}_torsion"]})
     file["bodies"].append({"name": "box", "modes": modes(box)})
     file["places"] += [{"name": "bridge", "body": "box", "shapes": [1] * len(box)}, {"name": "wood", "body": "box", "shapes": wood}]
     return file

@@ -107,6 +107,9 @@ std::string connection_row(const InstrumentModel& model, const ConnectionGroup& 
   row += fmt::format(", gap {} m", range_text(group.gaps_m));
   if (group.each.kind == ConnectionKind::kContact)
     row += fmt::format(", {} times {}", model.tables[group.each.table].material, range_text(group.weights));
+  if (const Roughness& rough = group.each.roughness; rough.height_m > 0)
+    row += fmt::format(", {} heights of {:g} m over {:g} m, {:g} m/s", rough.is_periodic ? "periodic" : "random",
+                       rough.height_m, rough.length_m, group.each.friction.surface_speed_m_per_s);
   if (group.each.kind == ConnectionKind::kSpring)
     row += fmt::format(", {:.6g} N/m, {:.6g} N s/m", group.each.stiffness_n_per_m, group.each.resistance_n_s_per_m);
   return row;

@@ -108,12 +108,19 @@ std::string cpp_friction(const InstrumentFriction& friction) {
 }
 
 std::string cpp_connection(const InstrumentConnection& c) {
-  const bool is_friction = c.kind == ConnectionKind::kFriction;
-  const std::string friction = is_friction ? ", " + cpp_friction(c.friction) : c.moved_m != 0 ? ", {}" : "";
-  return fmt::format("{{ConnectionKind::{}, {}, {}, {}, {}, {}, {}, {}, {}{}{}}}", name_in(kKindNames, c.kind),
+  const bool is_friction = c.kind == ConnectionKind::kFriction, is_rough = c.roughness.height_m > 0;
+  std::string more;
+  if (is_friction) more = ", " + cpp_friction(c.friction);
+  if (is_rough) more = fmt::format(", {{{{}}, 1, 0, {}}}", literal(c.friction.surface_speed_m_per_s));
+  if (more.empty() && c.moved_m != 0) more = ", {}";
+  if (is_rough || c.moved_m != 0) more += ", " + literal(c.moved_m);
+  if (is_rough)
+    more += fmt::format(", {{{}, {}, {}}}", literal(c.roughness.height_m), literal(c.roughness.length_m),
+                        c.roughness.is_periodic);
+  return fmt::format("{{ConnectionKind::{}, {}, {}, {}, {}, {}, {}, {}, {}{}}}", name_in(kKindNames, c.kind),
                      place_or("kGround", c.first), place_or("kGround", c.second), c.table, literal(c.gap_m),
                      literal(c.weight), literal(c.loss_s_per_m), literal(c.stiffness_n_per_m),
-                     literal(c.resistance_n_s_per_m), friction, c.moved_m == 0 ? "" : ", " + literal(c.moved_m));
+                     literal(c.resistance_n_s_per_m), more);
 }
 
 std::string cpp_parameter(const Parameter& p) {
@@ -437,6 +444,12 @@ std::string json_connection(const InstrumentConnection& c) {
   if (c.kind == ConnectionKind::kContact)
     row += fmt::format(", \"table\": {}, \"weight\": {}, \"loss_s_per_m\": {}", c.table, literal(c.weight),
                        literal(c.loss_s_per_m));
+  if (c.roughness.height_m > 0)
+    row += fmt::format(
+        ", \"roughness_height_m\": {}, \"roughness_length_m\": {}, \"roughness_is_periodic\": {}, "
+        "\"surface_speed_m_per_s\": {}",
+        literal(c.roughness.height_m), literal(c.roughness.length_m), c.roughness.is_periodic,
+        literal(c.friction.surface_speed_m_per_s));
   if (c.kind == ConnectionKind::kSpring)
     row += fmt::format(", \"stiffness_n_per_m\": {}, \"resistance_n_s_per_m\": {}", literal(c.stiffness_n_per_m),
                        literal(c.resistance_n_s_per_m));

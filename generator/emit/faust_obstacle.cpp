@@ -75,16 +75,25 @@ std::optional<std::string> coupled_friction(const InstrumentModel& model) {
   return {};
 }
 
+// A connection that Faust's library does not have.
+std::optional<std::string> unknown_connection(const InstrumentModel& model) {
+  for (const ConnectionGroup& group : model.connections) {
+    if (group.each.kind == ConnectionKind::kFriction && group.each.friction.pressed_by != kNoConnection)
+      return fmt::format("{} has the friction {} that a contact presses, which only the C++ class plays", model.name,
+                         group.name);
+    if (group.each.roughness.height_m > 0)
+      return fmt::format("{} has the rough contact {}, which only the C++ class plays", model.name, group.name);
+  }
+  return {};
+}
+
 }  // namespace
 
 std::optional<std::string> faust_obstacle(const InstrumentModel& model, const InstrumentArrays& arrays) {
   if (!model.bows.empty())
     return fmt::format("{} has the bow {}, which only the C++ class plays", model.name,
                        model.connections[model.bows.front().group].name);
-  for (const ConnectionGroup& group : model.connections)
-    if (group.each.kind == ConnectionKind::kFriction && group.each.friction.pressed_by != kNoConnection)
-      return fmt::format("{} has the friction {} that a contact presses, which only the C++ class plays", model.name,
-                         group.name);
+  if (auto unknown = unknown_connection(model)) return unknown;
   if (auto coupled = coupled_friction(model)) return coupled;
   for (const InstrumentBody& body : model.bodies)
     if (body.airy_functions > 0)

@@ -7,6 +7,7 @@
 
 #include "generator/material/friction_reader.hpp"
 #include "generator/material/named_file.hpp"
+#include "generator/resonator/resonator_reader.hpp"
 
 namespace contactspline {
 namespace {
@@ -15,6 +16,8 @@ constexpr Range kWeight{1e-9, 1e9};
 constexpr Range kStiffness{0, 1e9};
 constexpr Range kResistance{0, 1e6};
 constexpr double kStiffBristles_per_m = 1e6;
+constexpr Range kRoughHeight_m{1e-9, 1e-3};
+constexpr Range kRoughLength_m{1e-5, 0.1};
 
 /// Reads connections, kind after kind.
 class ConnectionReader {
@@ -24,7 +27,8 @@ class ConnectionReader {
 
   void read() {
     for (const JsonObject& contact :
-         draft_.objects("contacts", {"name", "between", "material", "gap_m", "gaps_m", "weight", "weights"}))
+         draft_.objects("contacts", {"name", "between", "material", "gap_m", "gaps_m", "weight", "weights",
+                                     "roughness", "surface_speed_m_per_s"}))
       read_contact(contact);
     for (const JsonObject& spring : draft_.objects(
              "springs", {"name", "between", "stiffness_n_per_m", "resistance_n_s_per_m", "gap_m", "gaps_m"}))
@@ -53,7 +57,24 @@ class ConnectionReader {
     group.each.loss_s_per_m = material.loss_s_per_m;
     group.weights = read_column(json, "weight", "weights", kWeight, 1, group.gaps_m.size());
     masses_.check_stiffness(json, json.has("weights") ? "weights" : "weight", group, 1);
+    if (json.has("roughness")) group.each.roughness = roughness(json);
+    if (json.has("surface_speed_m_per_s")) {
+      if (!json.has("roughness"))
+        json.fail(json.key("surface_speed_m_per_s"), "stands in a contact without roughness", "beside roughness");
+      group.each.friction.surface_speed_m_per_s = surface_speed(json);
+    }
     model_.connections.push_back(std::move(group));
+  }
+
+  static Roughness roughness(const JsonObject& contact) {
+    const JsonObject json = contact.object("roughness", {"height_m", "length_m", "profile"});
+    return {.height_m = json.number("height_m", kRoughHeight_m),
+            .length_m = json.number("length_m", kRoughLength_m),
+            .is_periodic = read_word(json, "profile", "random", "periodic") == "periodic"};
+  }
+
+  static double surface_speed(const JsonObject& json) {
+    return json.number("surface_speed_m_per_s", range_of(ControlQuantity::kSurfaceSpeed));
   }
 
   void read_spring(const JsonObject& json) {
@@ -83,8 +104,7 @@ class ConnectionReader {
                                                                                     : constant_friction(json);
     if (json.has("normal_force_n"))
       friction.normal_force_n = json.number("normal_force_n", range_of(ControlQuantity::kNormalForce));
-    if (json.has("surface_speed_m_per_s"))
-      friction.surface_speed_m_per_s = json.number("surface_speed_m_per_s", range_of(ControlQuantity::kSurfaceSpeed));
+    if (json.has("surface_speed_m_per_s")) friction.surface_speed_m_per_s = surface_speed(json);
     if (json.has("pressed_by")) friction.pressed_by = contact_that_presses(json, group.gaps_m.size());
     model_.connections.push_back(std::move(group));
   }

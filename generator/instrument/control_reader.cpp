@@ -90,6 +90,12 @@ class ControlReader {
     if (quantity == ControlQuantity::kGapShift) {
       if (kind == ConnectionKind::kFriction)
         json.fail(path, fmt::format("'{}' is a friction", name), "a contact, spring or link");
+    } else if (quantity == ControlQuantity::kSurfaceSpeed && kind != ConnectionKind::kFriction) {
+      if (model_.connections[found].each.roughness.height_m == 0)
+        json.fail(path,
+                  fmt::format("'{}' is a {}{}", name, name_of(kind),
+                              kind == ConnectionKind::kContact ? " without roughness" : ""),
+                  "a friction, or a contact with roughness");
     } else if (kind != kind_with(quantity)) {
       json.fail(path, fmt::format("'{}' is a {}", name, name_of(kind)),
                 fmt::format("a {}", name_of(kind_with(quantity))));

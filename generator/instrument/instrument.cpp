@@ -140,10 +140,12 @@ class Flattener {
 
   void add_body(const InstrumentBody& body) {
     const auto* string = std::get_if<StiffString>(&body.resonator.body);
+    const double ratio = std::exp2(body.tuning_cents / 1200);
     const bool is_tuned = is_tuned_by_name();
-    modes_.push_back(numbered_modes_of(body.resonator, limit_hz(body.resonator)).modes);
+    modes_.push_back(numbered_modes_of(body.resonator, limit_hz(body.resonator) / ratio).modes);
     sort_for_forms(body, modes_.back());
-    for (const NumberedMode& mode : modes_.back()) {
+    for (NumberedMode& mode : modes_.back()) {
+      mode.mode.angular_frequency_rad_per_s *= ratio;
       const double w = mode.mode.angular_frequency_rad_per_s;
       add_mode(mode.mode,
                string != nullptr ? square_by_tension(*string, mode)
@@ -483,6 +485,9 @@ InstrumentArrays arrays_of(const InstrumentModel& model, double max_frequency_hz
 void tune(InstrumentModel& model, double cents) {
   for (InstrumentBody& body : model.bodies)
     if (auto* string = std::get_if<StiffString>(&body.resonator.body)) string->detuning_cents.front() += cents;
+  for (const std::vector<std::size_t>& tuned : model.keys.tuned)
+    for (const std::size_t b : tuned)
+      if (!std::holds_alternative<StiffString>(model.bodies[b].resonator.body)) model.bodies[b].tuning_cents += cents;
 }
 
 InstrumentModel without_keys(InstrumentModel model) {

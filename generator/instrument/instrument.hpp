@@ -33,6 +33,7 @@ struct InstrumentBody {
   Losses longitudinal_losses = {};
   std::size_t airy_functions = 0;        ///< of a plate: number of its forms
   PlateEdges edges = PlateEdges::kFree;  ///< of a rectangular plate that stretches
+  double tuning_cents = 0;               ///< of all frequencies of a body that is no string
 
   [[nodiscard]] bool stretches() const { return stretch_j > 0 || axial_stiffness_n > 0 || airy_functions > 0; }
   /// Precondition: a string.

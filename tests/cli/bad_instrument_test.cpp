@@ -134,6 +134,15 @@ TEST(BadInstrument, ThatStretchesMayHaveNoFaustText) {
   }
 }
 
+TEST(BadInstrument, ThatIsRoughHasNoFaustText) {
+  const Sandbox box;
+  write_file(box / "probe.json", changed(kGood, R"("weight": 1.25)",
+                                         R"("weight": 1.25, "roughness": { "height_m": 1e-5, "length_m": 1e-3 })"));
+  expect_refused(generate(box, {"--emit", "faust"}),
+                 "probe.json: --emit: probe has the rough contact felt, which only the C++ class plays",
+                 "allowed: cpp, whose class");
+}
+
 // A Faust program of many contacts would take too long to compile.
 TEST(BadInstrument, OfManyContactsHasNoFaustText) {
   const Sandbox box;

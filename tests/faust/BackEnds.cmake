@@ -55,5 +55,5 @@ add_dependencies(faust_compiler faust_c)
 # Programs of random instruments against the class.
 contactspline_test(random_instruments_test LABELS faust
   DEFINITIONS EXAMPLES_FOLDER="${PROJECT_SOURCE_DIR}/examples/instruments"
-  LIBRARIES contactspline_emit nlohmann_json::nlohmann_json ${CMAKE_DL_LIBS} ${simd})
+  LIBRARIES contactspline_engine contactspline_emit nlohmann_json::nlohmann_json ${CMAKE_DL_LIBS} ${simd})
 target_include_directories(random_instruments_test PRIVATE ${generated})

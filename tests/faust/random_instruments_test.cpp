@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "contactspline/instrument/instrument.hpp"
-#include "contactspline/instrument/network_instrument.hpp"
+#include "contactspline/modal/mode.hpp"
 #include "faust_command.hpp"
 #include "generator/emit/emit_instrument.hpp"
 #include "generator/emit/emit_instrument_faust.hpp"
@@ -16,6 +16,7 @@
 #include "generator/support/input_file.hpp"
 #include "native_program.hpp"
 #include "random_instrument.hpp"
+#include "support/by_sample.hpp"
 #include "support/compare.hpp"
 #include "support/finite.hpp"
 #include "support/measured.hpp"
@@ -154,7 +155,7 @@ Case next_case(RandomInstruments& random) {
 // The outputs of the class over their full scales, [output][sample]. All speeds and controls are multiplied by
 // `factor`.
 Signals<double> sound_of_class(const Case& drawn, double factor) {
-  NetworkInstrument<double> instrument(drawn.arrays.view(), drawn.sample_rate_hz);
+  BySample<double> instrument(drawn.arrays.view(), drawn.sample_rate_hz);
   const double glide = -std::expm1(-1 / (0.005 * drawn.sample_rate_hz));
   const auto& controls = drawn.model.controls;
   const auto& parameters = drawn.model.parameters;

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What the tests of Csound, Pd and SuperCollider share. A performance is a list of (sample, command...), at multiples of a
 block, in order: ("set", parameter, value), ("note", key, velocity), ("play", event, value). HOST_test.py CASE MODULE
-REFERENCE FOLDER runs a case: page, pieces, samples, parameters, hostile, lifetimes, refusals."""
+REFERENCE FOLDER runs a case: page, pieces, samples, parameters, bowing, hostile, lifetimes, refusals."""
 import os
 import random
 import shutil
@@ -200,6 +200,32 @@ class HostTest:
             require_equal(expected, sound, self.precision, instrument.name, self.smallest)
             assert np.abs(expected[2:-1]).max() > 0, instrument.name  # beside the force
             print(instrument.name, len(performance), "commands")
+
+    def bowing(self):
+        """For ten seconds all parameters of the violin's bow jump in each block over their ranges, while keys go down and up; then the
+        bow is lifted for four seconds. The sound is that of the class; no friction exceeds 5.3 N, and the strings ring out."""
+        instrument, draw = Instrument(self.reference, "violin"), random.Random(9)
+        bow = [name for name in instrument.parameters if name.startswith("bow_") or name == "assistance"]
+        assert len(bow) == 5, bow
+        played, blocks = 10 * RATE // BLOCK, 14 * RATE // BLOCK
+        performance, key = [], None
+        for at in range(3 * BLOCK, played * BLOCK, BLOCK):
+            if draw.random() < 0.05:  # hosts differ in the order of notes and values
+                performance.append((at, "note", draw.randrange(55, 75) if key is None else key, 1.0 if key is None else 0))
+                key = performance[-1][2] if key is None else None
+                continue
+            for name in bow:
+                low, high, _ = instrument.parameters[name]
+                performance.append((at, "set", name, as_single(high if draw.random() < 0.25 else draw.uniform(low, high))))
+        performance += [(played * BLOCK, "note", key, 0)] * (key is not None)
+        performance = self.first_values(instrument) + performance
+        expected = instrument.play(self.precision, performance, blocks * BLOCK)
+        sound = self.render(instrument, instrument.taps(), performance, blocks * BLOCK)
+        require_equal(expected, sound, self.precision, "bowing", self.smallest)
+        force_n = np.abs(np.asarray(sound)[instrument.taps().index("bridge_force_n")])
+        print("bridge", force_n.max(), "N, at the end", force_n[-RATE // 10:].max(), "N")
+        assert np.isfinite(sound).all() and 1 < force_n.max() < 100, force_n.max()
+        assert force_n[(blocks - RATE // 10 // BLOCK) * BLOCK:].max() < 1e-3 * force_n.max()
 
     def parameters(self):
         """Each parameter that can move changes the sound by itself: before the first note, while it is held and let go, or beside

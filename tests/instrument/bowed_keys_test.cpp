@@ -179,6 +179,39 @@ TEST(KeysThatBow, TuneTheirOwnString) {
       sequences_within(std::span<const double>(by_keys.played(1000)), std::span<const double>(expected), 1e-8));
 }
 
+// So do modes that are tuned with it.
+TEST(KeysThatBow, TuneTheTorsionOfTheirString) {
+  const auto with_torsion = [](double cents, bool is_tuned) {
+    std::string text = fiddle(static_cast<int>(cents));
+    const auto insert = [&](std::string_view before, const std::string& inserted) {
+      text.insert(text.find(before), inserted);
+    };
+    insert(R"({ "name": "high", "tuning)", R"({ "name": "torsion", "modes": [ { "frequency_hz": )" +
+                                               std::to_string(1078 * std::exp2(cents / 1200)) +
+                                               R"(, "decay_per_s": 110, "mass_kg": 0.00002 } ] }, )");
+    insert(R"({ "name": "at_low")", R"({ "name": "surface", "body": "torsion", "shapes": [0.7] }, )");
+    text.replace(text.find(R"("ground", "at_low")"), 18, R"("surface", "at_low")");
+    constexpr std::string_view kAlone = R"("string": "low")";
+    return is_tuned ? text.replace(text.find(kAlone), kAlone.size(), R"("bodies": [ "low", "torsion" ])") : text;
+  };
+  Fiddle by_keys(with_torsion(0, true)), by_file(with_torsion(250, false)), untuned(with_torsion(0, false));
+  for (Fiddle* played : {&by_keys, &untuned}) {
+    played->voices->note_on(57, 0.5);
+    played->voices->bend_key(57, 50);
+  }
+  by_file.voices->note_on(55, 0.5);
+  const std::vector<double> expected = by_file.played(1000);
+  const std::span<const double> wanted(expected);
+  // The frequency in the file has six decimals.
+  EXPECT_TRUE(sequences_within(std::span<const double>(by_keys.played(1000)), wanted, 1e-6));
+  EXPECT_FALSE(sequences_within(std::span<const double>(untuned.played(1000)), wanted, 1e-3));
+
+  InstrumentModel model = parse_instrument(with_torsion(0, true), "fiddle.json");
+  const double before = arrays_of(model, kRate / 2).angular_frequencies[30];  // behind the modes of the string
+  tune(model, 1200);                                                          // as voices of a score do
+  EXPECT_TRUE(relatively_within(arrays_of(model, kRate / 2).angular_frequencies[30], 2 * before, 1e-12));
+}
+
 // The key below stays down while another is played over it, as in a trill.
 TEST(KeysThatBow, GoOnWithTheKeyThatIsStillHeld) {
   Fiddle fiddle;

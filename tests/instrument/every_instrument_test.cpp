@@ -128,9 +128,15 @@ TYPED_TEST(EveryInstrument, HasMacros) {
       names += std::string(" ") + macro.macro->parameter.name;
     EXPECT_NE(names, "");
     const std::string_view name = instrument->name();
-    if (name == "piano") EXPECT_EQ(names, " harder");
-    if (name == "trichord_c4") EXPECT_EQ(names, " harder stronger shorter");
-    if (name == "lap_steel") EXPECT_EQ(names, " stronger");
+    if (name == "piano") {
+      EXPECT_EQ(names, " harder");
+    }
+    if (name == "trichord_c4") {
+      EXPECT_EQ(names, " harder stronger shorter");
+    }
+    if (name == "lap_steel") {
+      EXPECT_EQ(names, " stronger");
+    }
     Measured() << instrument->name() << ":" << names;
   });
 }

@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "contactspline/instrument/keyboard_instrument.hpp"
-#include "contactspline/instrument/network_instrument.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/material/named_file.hpp"
 #include "generator/player/instrument_parts.hpp"
 #include "generator/player/score_reader.hpp"
 #include "generator/resonator/keyboard_reader.hpp"
+#include "support/by_sample.hpp"
 #include "support/compare.hpp"
 #include "support/measured.hpp"
 
@@ -100,7 +100,7 @@ InstrumentModel driven_plate(const std::vector<std::array<double, 2>>& places) {
 void expect_heard(const std::string& of_body, const std::vector<std::array<double, 2>>& places) {
   Heard keyboard(of_body);
   const InstrumentArrays arrays = arrays_of(driven_plate(places), kRate / 2);
-  NetworkInstrument<double> plate(arrays.view(), kRate);
+  BySample<double> plate(arrays.view(), kRate);
   ASSERT_EQ(keyboard->body().places(), places.size());
   double largest = 0, error = 0;
   for (int n = 0; n < 13230; ++n) {

@@ -3,7 +3,6 @@
 #include <initializer_list>
 #include <utility>
 
-#include "contactspline/instrument/network_instrument.hpp"
 #include "contactspline/models/fret_string.hpp"
 #include "contactspline/models/hammer_string.hpp"
 #include "contactspline/models/mass_barrier.hpp"
@@ -13,6 +12,7 @@
 #include "generator/spline/design.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/input_file.hpp"
+#include "support/by_sample.hpp"
 #include "support/compare.hpp"
 
 namespace contactspline::testing {
@@ -43,7 +43,7 @@ void expect_same_mass_barrier(const std::string& material, int min_contacts) {
   })",
                                                  "probe.json");
   const InstrumentArrays arrays = arrays_of(model, kRate / 2);
-  NetworkInstrument<double> instrument(arrays.view(), kRate);
+  BySample<double> instrument(arrays.view(), kRate);
   const Design design = design_of(material);
   const auto table = segment_table(design.spline);
   MassBarrier<double> by_hand(table, kRate, design.material.memories);
@@ -137,7 +137,7 @@ struct Example {
   }
 
   InstrumentArrays arrays;
-  NetworkInstrument<double> instrument;
+  BySample<double> instrument;
   std::vector<Segment<double>> table;
   std::vector<Mode> modes;
   std::vector<double> wavenumbers;

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <string>
 
-#include "contactspline/instrument/network_instrument.hpp"
 #include "generator/instrument/instrument_reader.hpp"
+#include "support/by_sample.hpp"
 #include "support/compare.hpp"
 #include "support/measured.hpp"
 
@@ -154,7 +154,7 @@ Complex direct_pressure(const Resonator& body, std::span<const NumberedMode> mod
 
 // The samples of each output after a force of 1 N over one sample, until the body is silent.
 std::vector<std::vector<double>> responses(const InstrumentArrays& arrays, double rate) {
-  NetworkInstrument<double> instrument(arrays.view(), rate);
+  BySample<double> instrument(arrays.view(), rate);
   instrument.set(0, 1);
   std::vector<std::vector<double>> sound(arrays.outputs.size());
   for (std::size_t n = 0; n < static_cast<std::size_t>(2 * rate); ++n) {
@@ -267,7 +267,7 @@ TEST(Pressure, ArrivesAtTheNearerMicrophoneFirst) {
 TEST(Pressure, EndsWithTheForceAndAtReset) {
   const InstrumentModel model = head();
   const InstrumentArrays arrays = arrays_of(model, 22050);
-  NetworkInstrument<double> instrument(arrays.view(), 44100);
+  BySample<double> instrument(arrays.view(), 44100);
   instrument.set(0, 1);
   for (int n = 0; n < 100; ++n) instrument.tick();
   EXPECT_NE(instrument.output(0), 0);

@@ -46,7 +46,7 @@ const std::map<std::string, Excitation> kExcitations = {
     {"marimba", {R"({ "time_s": 0.1, "mallet_ds4_speed_m_per_s": 1.2 })", "mouth_ds4", 2205, 1}},
     {"prepared_piano", {"prepared_notes", "under_bolt", 110, 1e-6}},
     {"slap_bass", {"slap_line", "pickup", 2205, 1}},
-    {"snare", {"snare_roll", "pickup", 441, 1e-4}},
+    {"snare", {"snare_roll", "pickup", 110, 1e-4}},
     {"tanpura", {"tanpura_drone", "finger", 2205, 1e-4}},
     {"tom", {"tom_pattern", "pickup", 2205, 1e-3}},
     {"trichord_c4", {"trichord_blows", "bridge_middle", 2205, 1}}};

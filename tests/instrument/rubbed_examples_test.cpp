@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Examples that rub, under their scores: one slip a period, no clipping, silence at the end, exact books.
+// Examples that rub or are rough, under their scores: one slip a period, noise that goes with the speed, no clipping,
+// silence at the end, exact books.
+#include <algorithm>
 #include <cmath>
+#include <complex>
+#include <numbers>
 #include <numeric>
 
 #include "contactspline/instrument/network_instrument.hpp"
@@ -10,13 +14,14 @@
 #include "generator/support/input_file.hpp"
 #include "support/compare.hpp"
 #include "support/measured.hpp"
+#include "support/spectrum.hpp"
 
 namespace contactspline::testing {
 namespace {
 
 constexpr int kRate = 44100;
 
-/// An example under its score. Its friction is the last connection, its sound the first output.
+/// An example under its score. Its friction, if it has one, is the last connection, its sound the first output.
 struct Rubbed {
   explicit Rubbed(const std::string& name) {
     const std::string folder = EXAMPLES_FOLDER "/../scores/";
@@ -27,7 +32,6 @@ struct Rubbed {
     NetworkInstrument<double> instrument(arrays.view(), kRate);
     ControlTrack controls(voice, kRate);
     const std::size_t friction = arrays.connections.size() - 1;
-    EXPECT_EQ(arrays.connections[friction].kind, ConnectionKind::kFriction);
     double balance = instrument.energy();
     for (std::size_t n = 0; n < at(score.duration_s); ++n) {
       const auto values = controls.at(n);
@@ -36,10 +40,14 @@ struct Rubbed {
       balance += instrument.work() - instrument.dissipated();
       imbalance = std::max(imbalance, std::abs(instrument.energy() - balance));
       energy = std::max(energy, instrument.energy());
-      const double force = std::abs(instrument.network().force(friction));
       const auto& solver = instrument.network().solver();
-      rounding += std::numeric_limits<double>::epsilon() * force *
-                  (std::abs(solver[friction].free_increment) + solver.admittance(friction, friction) * force);
+      for (std::size_t k = 0; k < arrays.connections.size(); ++k) {
+        if (arrays.connections[k].kind != ConnectionKind::kFriction && arrays.connections[k].roughness.height_m == 0)
+          continue;
+        const double force = std::abs(instrument.network().force(k));
+        rounding += std::numeric_limits<double>::epsilon() * force *
+                    (std::abs(solver[k].free_increment) + solver.admittance(k, k) * force);
+      }
       sound.push_back(instrument.output(0));
       second.push_back(instrument.output(1));
       slip_m_per_s.push_back(instrument.network().slip(friction) * kRate);
@@ -52,6 +60,25 @@ struct Rubbed {
     double peak = 0;
     for (std::size_t n = at(from_s); n < at(to_s) && n < sound.size(); ++n) peak = std::max(peak, std::abs(sound[n]));
     return peak;
+  }
+
+  // The level of the sound [dB], and the frequency below which half of its power lies.
+  struct Noise {
+    double level_db, median_hz;
+  };
+  [[nodiscard]] Noise noise(double from_s, double to_s) const {
+    const std::size_t begin = at(from_s), size = at(to_s) - begin;
+    std::vector<double> sums(1);
+    for (double hz = 100; hz < 8000; hz *= 1.02) {  // bands of equal ratios
+      std::complex<double> sum = 0;
+      const double w = 2 * std::numbers::pi * hz / kRate;
+      for (std::size_t n = 0; n < size; ++n)
+        sum +=
+            sound[begin + n] * std::sin(std::numbers::pi * double(n) / double(size)) * std::polar(1.0, w * double(n));
+      sums.push_back(sums.back() + std::norm(sum) * hz);
+    }
+    const auto half = std::ranges::lower_bound(sums, sums.back() / 2) - sums.begin();
+    return {10 * std::log10(sums.back() / double(size)), 100 * std::pow(1.02, double(half))};
   }
 
   // Books as in instrument_energy_test. The last quarter of a second is 100 dB down, but for a constant: links creep
@@ -119,6 +146,44 @@ TEST(RubbedExamples, JerkOfAWheelMakesItsChienBuzz) {
   EXPECT_EQ(lifts(1, 2), 0);
   for (const double jerk_s : {2.0, 2.6, 3.2}) EXPECT_GE(lifts(jerk_s, jerk_s + 0.3), 10);
   EXPECT_EQ(lifts(3.6, 4.5), 0);
+}
+
+// A finger on windings of 0.4 mm: while it slides steadily, the string's end is moved at its speed over this length.
+TEST(RoughExamples, FingerSqueaksOnAWoundString) {
+  const Rubbed played("wound_string");
+  played.expect_sane();
+  NetworkInstrument<double> guitar(played.arrays.view(), kRate);
+  const auto number = [&](std::string_view name) {
+    const auto found = std::ranges::find(guitar.parameters(), name, &Parameter::name);
+    return static_cast<std::size_t>(found - guitar.parameters().begin());
+  };
+  guitar.set(number("press_force_n"), 1);
+  for (const double speed : {0.2, 0.4, 0.8}) {
+    std::vector<float> sound;
+    for (int n = 0; n < 0.4 * kRate; ++n) {
+      guitar.set(number("finger_place_m"), 0.15 + speed * n / kRate);
+      guitar.tick();
+      sound.push_back(static_cast<float>(guitar.output(0)));
+    }
+    const double pitch = speed / 4e-4;
+    const Partial squeak = strongest_partial(std::span(sound).last(kRate / 5), kRate, 0.7 * pitch, 1.4 * pitch);
+    EXPECT_TRUE(relatively_within(squeak.frequency_hz, pitch, 0.01)) << speed;
+    EXPECT_GT(squeak.amplitude, 0.01) << speed;
+    guitar.set(number("finger_place_m"), 0.15);
+    for (int n = 0; n < kRate; ++n) guitar.tick();
+  }
+}
+
+// Faster sweeps are louder and brighter, a brush that stands is silent.
+TEST(RoughExamples, BrushHissesAsItIsSwept) {
+  const Rubbed brush("brush");
+  brush.expect_sane();
+  const auto slow = brush.noise(0.45, 0.6), fast = brush.noise(1.95, 2.1);
+  Measured() << slow.level_db << " dB, half of it below " << slow.median_hz << " Hz; faster " << fast.level_db
+             << " dB, " << fast.median_hz << " Hz";
+  EXPECT_GT(fast.level_db, slow.level_db + 1);
+  EXPECT_GT(fast.median_hz, 1.2 * slow.median_hz);
+  EXPECT_LT(brush.peak(3.9, 4), 0.01 * brush.peak(2.8, 3.2));
 }
 
 }  // namespace

@@ -97,9 +97,9 @@ TEST(StretchingFile, PlaysAStringThatMovesAlongItself) {
     double strain = 0, end = 0;
     for (std::size_t m = 0; m <= kAlong; ++m) {
       double d = 0;
-      for (std::size_t n = 1; n <= transverse; ++n) {
-        d += slope(n) * slope(n + m) / (m == 0 ? 2 : 1);
-        if (n < m) d += slope(n) * slope(m - n) / 2;
+      for (std::size_t i = 1; i <= transverse; ++i) {
+        d += slope(i) * slope(i + m) / (m == 0 ? 2 : 1);
+        if (i < m) d += slope(i) * slope(m - i) / 2;
       }
       const double own =
           m == 0 ? 0 : static_cast<double>(m) * kPi / kLength * string.displacement(transverse + m - 1);

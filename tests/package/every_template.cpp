@@ -84,6 +84,7 @@
 #include "contactspline/step/high_pass.hpp"
 #include "contactspline/step/live_exponent.hpp"
 #include "contactspline/step/memory.hpp"
+#include "contactspline/step/roughness.hpp"
 #include "contactspline/step/splice.hpp"
 #include "contactspline/tangent/bodies_tangent.hpp"
 #include "contactspline/tangent/contact_gradient.hpp"
@@ -183,6 +184,7 @@ using Felt = materials::felt_c4;
   template class EnsembleOf<Felt, String, T>;                                                                   \
   template class Friction<T>;                                                                                   \
   template class FrictionTemperature<T>;                                                                        \
+  template class RoughSurface<T>;                                                                               \
   template class FretString<T>;                                                                                 \
   template class HammerString<T>;                                                                               \
   template class InstrumentDsp<HammerStringOf<Felt, String, T>>;                                                \

@@ -11,8 +11,6 @@
 
 #include "contactspline/host/engine.hpp"
 #include "contactspline/host/hosted.hpp"
-#include "contactspline/instrument/network_instrument.hpp"
-#include "contactspline/instrument/voices.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/player/instrument_parts.hpp"
 #include "generator/player/instrument_score_reader.hpp"
@@ -96,7 +94,7 @@ TEST(MidiInHost, PressureAndBreathMoveABow) {
       {0, controller(0, 0)}, {0, bytes({0xd0, 32})}, {0, controller(2, 127)}, {0, on(62)}, {kSecond, off(62)}};
   const Score score = parse_midi_on_instrument(file(track(messages)), "song.mid", {}, violin);
   const InstrumentArrays arrays = arrays_of(violin, kRate_hz / 2);
-  Hosted<double> hosted(handle_of<Voices<NetworkInstrument<double>>>(arrays.view()));
+  Hosted<double> hosted(Engine<double>::network(arrays.view()));
   hosted.prepare(kRate_hz);
   for (const auto& [tick, message] : messages)
     hosted.midi({reinterpret_cast<const std::uint8_t*>(message.data()), message.size()});
@@ -125,7 +123,7 @@ TEST(MidiInHost, ProgramsArePresets) {
   const InstrumentModel guitar =
       parse_instrument(find_embedded(Shipped::kInstruments, "lap_steel.json")->content, "lap_steel.json");
   const InstrumentArrays arrays = arrays_of(guitar, kRate_hz / 2);
-  Hosted<double> hosted(handle_of<Voices<NetworkInstrument<double>>>(arrays.view()));
+  Hosted<double> hosted(Engine<double>::network(arrays.view()));
   hosted.prepare(kRate_hz);
   Events messages = {{0, wheel(16383)}, {0, controller(64, 127)}};
   for (const int program : {2, 1, 3, 4, 127}) messages.emplace_back(0, bytes({0xc0, program}));

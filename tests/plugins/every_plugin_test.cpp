@@ -14,6 +14,7 @@
 #include "plugins/reference.hpp"
 #include "support/compare.hpp"
 #include "support/finite.hpp"
+#include "support/random.hpp"
 #include "support/spectrum.hpp"
 
 namespace contactspline::testing {
@@ -340,6 +341,39 @@ TEST_P(EveryPlugin, SurvivesHostileSetsAtAllRatesInAllBlocks) {
       EXPECT_LE(plugin->value(parameter.name), parameter.max) << parameter.name;
     }
   }
+}
+
+// For six seconds all parameters of a bow jump in each block over their ranges, while keys go down and up; six
+// seconds after the last one the strings have rung out.
+TEST_P(EveryPlugin, RingsOutAfterAnyBowing) {
+  const auto plugin = open(kRate);
+  auto bow = prompt_parameters(*plugin);
+  std::erase_if(bow, [](const HostedParameter& p) { return !p.name.starts_with("bow ") && p.name != "assistance"; });
+  if (bow.empty()) return;
+  ASSERT_EQ(bow.size(), 5U);
+  constexpr std::size_t kLength = 256;
+  constexpr int kPlayed = int(6 * kRate / kLength);
+  Random random(5);
+  std::uint8_t key = 0;
+  float now = 0, largest = 0;
+  for (int block = 0; block < 2 * kPlayed; ++block) {
+    for (const auto& [name, unit, min, max, initial] : bow)
+      if (block < kPlayed) plugin->set(name, random.once_in(4) ? max : min + (max - min) * random.uniform(), 0);
+    if (block == kPlayed || random.once_in(20)) {
+      if (key > 0) plugin->send(0, {0x80, key, 64});
+      key = key > 0 || block >= kPlayed ? std::uint8_t{0} : static_cast<std::uint8_t>(55 + random.below(18));
+      if (key > 0) plugin->send(0, {0x90, key, 127});
+    }
+    now = 0;
+    for (const auto& side : plugin->run(1, kLength)) {
+      ASSERT_TRUE(all_finite(side)) << block;
+      for (const float sample : side) now = std::max(now, std::abs(sample));
+    }
+    largest = std::max(largest, now);
+  }
+  EXPECT_GT(largest, 0.01F);
+  EXPECT_LT(largest, 30.0F);
+  EXPECT_LT(now, 1e-3F * largest);
 }
 
 }  // namespace

@@ -136,7 +136,8 @@ TYPED_TEST(NetworkFriction, IsPressedByAContact) {
   EXPECT_TRUE(relatively_within(network.energy(), balance, 1e4 * std::numeric_limits<T>::epsilon()));
 }
 
-// A random network with up to four points of friction, which are pressed and drawn at random.
+// A random network with up to four points of friction, which are pressed and drawn at random, and contacts that may
+// be rough.
 struct RandomFriction : RandomNetwork {
   explicit RandomFriction(unsigned seed) : RandomNetwork(seed) {
     rate = random.log_between(8000, 768000);
@@ -147,6 +148,11 @@ struct RandomFriction : RandomNetwork {
         material = coulomb_friction(random.between(0, 2), {random.log_between(1e4, 1e7), random.log_between(1, 1e3)});
       points.push_back(
           plan.add_friction(first == second ? kGround : first, second, material, 0.01, pressing(first + 2 * second)));
+    }
+    for (std::size_t k = 0; k < plan.connections().size(); ++k) {
+      if (plan.connections()[k].table.empty() || random.once_in(2)) continue;
+      plan.roughen(k, {random.decades(-6, -3), random.decades(-5, -1), random.once_in(2)});
+      rough.push_back(k);
     }
   }
 
@@ -163,9 +169,11 @@ struct RandomFriction : RandomNetwork {
       if (random.once_in(50)) network.set_normal_force(point, random.once_in(4) ? 0 : random.decades(-4, 2));
       if (random.once_in(50)) network.set_surface_speed(point, random.between(-1, 1));
     }
+    for (const std::size_t contact : rough)
+      if (random.once_in(50)) network.set_surface_speed(contact, random.sign() * random.decades(-3, 3));
   }
 
-  std::vector<std::size_t> points;
+  std::vector<std::size_t> points, rough;
 };
 
 struct FrictionBooks {

@@ -18,6 +18,7 @@
 #include "contactspline/data/stroke.hpp"
 #include "contactspline/step/controls.hpp"
 #include "contactspline/step/memory.hpp"
+#include "contactspline/step/roughness.hpp"
 
 namespace contactspline {
 
@@ -45,8 +46,9 @@ struct InstrumentConnection {
   double gap_m = 0;
   double weight = 1, loss_s_per_m = 0;                     ///< of a contact; of friction the part of the normal force
   double stiffness_n_per_m = 0, resistance_n_s_per_m = 0;  ///< of a spring
-  InstrumentFriction friction = {};                        ///< of friction
+  InstrumentFriction friction = {};                        ///< of friction; of a rough contact its speed
   double moved_m = 0;                                      ///< gap_m, as it is at rest, less the gap of the file
+  Roughness roughness = {};                                ///< of a contact
 };
 
 /// The values of a gap with its shift: it and, with the same shift, the gap of the file stay within -0.1 to 0.1.
@@ -69,7 +71,7 @@ enum class ControlQuantity {
   kPlace,           ///< where places are on their strings, less their offsets_m [m]
   kMass,            ///< of free masses, from their next throw on [kg]
   kNormalForce,     ///< of friction, of all its points together [N]
-  kSurfaceSpeed     ///< of friction [m/s]
+  kSurfaceSpeed     ///< of friction and rough contacts [m/s]
 };
 
 /// What is known of a quantity that controls set.

@@ -104,8 +104,9 @@ struct InstrumentParts {
     for (std::size_t k = 0; k < connections.size(); ++k) {
       const InstrumentConnection& c = connections[k];
       if (c.kind == ConnectionKind::kContact)
-        plan.add_contact(c.first, c.second, tables[c.table], gaps_m[k], contact(k), static_cast<T>(c.weight),
-                         data.memories_of(c.table));
+        plan.roughen(plan.add_contact(c.first, c.second, tables[c.table], gaps_m[k], contact(k),
+                                      static_cast<T>(c.weight), data.memories_of(c.table)),
+                     c.roughness);
       else if (c.kind == ConnectionKind::kSpring)
         plan.add_spring(c.first, c.second, static_cast<T>(c.stiffness_n_per_m),
                         static_cast<T>(c.resistance_n_s_per_m), gaps_m[k]);

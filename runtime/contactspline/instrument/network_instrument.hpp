@@ -52,7 +52,9 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     if (!data.keyed.tension_squares.empty()) tuning_ = detail::NetworkTuning<T>(data);
     is_waiting_.resize(data.controls.size());
     for (std::size_t k = 0; k < data.connections.size(); ++k)
-      if (data.connections[k].kind == ConnectionKind::kFriction && !is_of_bow(k)) rubbing_.push_back(k);
+      if (data.connections[k].roughness.height_m > 0 ||
+          (data.connections[k].kind == ConnectionKind::kFriction && !is_of_bow(k)))
+        rubbing_.push_back(k);
   }
   NetworkInstrument(const InstrumentData& data, double sample_rate_hz) : NetworkInstrument(data) {
     prepare(sample_rate_hz);
@@ -330,7 +332,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     }
   }
 
-  // Presses and moves the surfaces of a friction that is no bow.
+  // Presses and moves the surfaces of a friction that is no bow, and moves that of a rough contact.
   void rub(std::size_t k) {
     const InstrumentFriction& friction = parts_.connections[k].friction;
     network_->set_normal_force(k, static_cast<T>(friction.normal_force_n));
@@ -409,7 +411,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
   std::vector<std::size_t> pushing_;  // controls of forces
   std::vector<Pluck> plucks_;
   std::vector<Stroke> strokes_;       // of the bows
-  std::vector<std::size_t> rubbing_;  // frictions that are no bows
+  std::vector<std::size_t> rubbing_;  // frictions that are no bows, and rough contacts
   std::vector<Preset> presets_;
   detail::NetworkTuning<T> tuning_;
   std::optional<detail::NetworkDamper<T>> damper_;

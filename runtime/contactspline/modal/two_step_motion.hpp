@@ -194,8 +194,7 @@ class TwoStepMotion {
 
  private:
   [[nodiscard]] static T product(const T* a, const ModalArray<T>& b) {
-    if (kernels<T>.are_vectorised()) return kernels<T>.inner_product(b.size(), a, b.data());
-    return portable::inner_product<T>(b.size(), a, b.data());
+    return inner_product<T>(b.size(), a, b.data());
   }
 
   // Sum of term(i)/admittance over the modes that forces drive.

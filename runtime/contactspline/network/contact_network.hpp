@@ -161,12 +161,14 @@ class ContactNetwork {
     c.normal_force = held(c.normal_force, force_n, Ranges::normal_force_n);
   }
 
-  /// Speed at which the surface of friction moves by itself beside its first place, as a bow does [m/s], -1000 to
-  /// 1000. It may jump; what it does is work().
+  /// Speed at which the surface of friction moves by itself beside its first place, as a bow does, or that of a rough
+  /// contact slides along it [m/s], -1000 to 1000. It may jump; what it does is work().
   void set_surface_speed(std::size_t connection, T speed_m_per_s) {
     Connection& c = parts_.connections[connection];
     const T longest = Ranges::speed_m_per_s.max * time_step_;
-    c.carried = held(c.carried, speed_m_per_s * time_step_, {-longest, longest});
+    T& carried = solver_[connection].is_friction ? c.carried : c.slide;
+    carried = held(carried, speed_m_per_s * time_step_, {-longest, longest});
+    if (!solver_[connection].is_friction) controls_.follow(c);
   }
 
   /// Gap of a contact, spring or link [m], -0.1 to 0.1, which follows at 1 m/s.
@@ -190,6 +192,10 @@ class ContactNetwork {
     for (std::size_t k = 0; k < parts_.connections.size(); ++k) {
       solver_[k].friction.reset();
       parts_.connections[k].temperature.reset();
+      Connection& c = parts_.connections[k];
+      if (!c.surface.is_rough()) continue;
+      c.surface.reset();
+      c.gap = c.target_gap;
     }
     for (const std::size_t p : pushed_) parts_.places[p].push = 0, parts_.places[p].is_pushed = false;
     pushed_.clear();
@@ -361,6 +367,7 @@ class ContactNetwork {
         mover.motion.put(mover.target_m);
         follow(mover);
       }
+      const T from = mover.motion.place();
       mover.is_moving = mover.motion.move_to(mover.target_m);
       if (!mover.is_moving) continue;
       const std::size_t p = mover.place;
@@ -372,6 +379,9 @@ class ContactNetwork {
         if (solver_[k].is_friction || (c.first != p && c.second != p)) continue;
         c.lift += c.first == p ? lift : -lift;
         sleeping_.shrink(c, lift);
+        if (!c.surface.is_rough()) continue;
+        c.surface.go(c.first == p ? mover.motion.place() - from : from - mover.motion.place());
+        controls_.follow(c);  // the height there acts in the next sample
       }
       follow(mover);
       controls_.note_moving_place();

@@ -108,6 +108,7 @@ class CoupledContacts {
     for (const std::size_t i : contacts_) {
       if (is_active_[i]) continue;
       CoupledConnection<T>& c = connections_[i];
+      if (!springs_.empty()) springs_.take(i, exact_admittance_);
       increments_[i] = springs_.increment(i, c.free_increment);
       if (c.is_friction || c.compression > 0 || c.compression + increments_[i] > 0)
         activate(i);

@@ -17,7 +17,8 @@
 
 namespace contactspline::detail {
 
-/// Moves gaps at 1 m/s at most, and raises stiffnesses by at most 1 W of work (followed_stiffness).
+/// Moves gaps at 1 m/s at most, those over rough surfaces too, and raises stiffnesses by at most 1 W of work
+/// (followed_stiffness).
 template <std::floating_point T>
 class FollowingControls {
  public:
@@ -60,12 +61,16 @@ class FollowingControls {
  private:
   static constexpr T kGapSpeed_m_per_s = 1;
 
-  // Is the gap still moving?
+  // Is the gap still moving? A rough surface lifts it.
   bool move_gap(NetworkConnection<T>& c) {
-    const T before = c.gap, max_step = kGapSpeed_m_per_s * time_step_, distance = c.target_gap - c.gap;
-    c.gap = std::abs(distance) < max_step ? c.target_gap : c.gap + std::copysign(max_step, distance);
+    T target = c.target_gap;
+    const bool slides = c.surface.is_rough() && c.slide != 0;
+    if (slides) c.surface.go(c.slide);
+    if (c.surface.is_rough()) target -= c.surface.height();
+    const T before = c.gap, max_step = kGapSpeed_m_per_s * time_step_, distance = target - c.gap;
+    c.gap = std::abs(distance) < max_step ? target : c.gap + std::copysign(max_step, distance);
     c.lift = before - c.gap;
-    return c.gap != c.target_gap;
+    return c.gap != target || slides;
   }
 
   // Is the stiffness still behind its control?

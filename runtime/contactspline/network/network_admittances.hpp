@@ -26,7 +26,9 @@ class NetworkAdmittances {
         of_places_(parts.places.size() * parts.places.size()) {
     for (std::size_t b = 0; b < parts.bodies.size(); ++b) {
       NetworkBody<T>& body = parts.bodies[b];
-      body.shapes.resize(body.connections.size() * body.bank.size());
+      body.shapes.assign(body.connections.size(), ModeShapes<double>(body.bank.size()));
+      body.pushed = ModeShapes<double>(body.bank.size());
+      body.pushed_by_place = ModeShapes<T>(body.bank.size());
       body.admittances.resize(body.connections.size() * (body.connections.size() + 1) / 2);
       measure(parts, b);
     }
@@ -55,24 +57,11 @@ class NetworkAdmittances {
   /// Measures a body anew whose frequencies have changed: shapes stay, and what is largest of them.
   void measure_frequencies(NetworkParts<T>& parts, std::size_t b) {
     NetworkBody<T>& body = parts.bodies[b];
-    const std::size_t modes = body.bank.size();
-    double* admittance = body.admittances.data();
-    for (std::size_t i = 0; i < body.connections.size(); ++i)
-      for (std::size_t j = 0; j <= i; ++j, ++admittance) {
-        const double *first = body.shapes.data() + i * modes, *second = body.shapes.data() + j * modes;
-        *admittance = detail::sum_of<double>(
-            modes, [&](std::size_t n) { return double(body.bank.admittance(n)) * first[n] * second[n]; });
-      }
-    for (const std::size_t p : body.places) {
-      parts.places[p].measure(body.bank);
-      for (const std::size_t q : body.places) {
-        if (q < p) continue;
-        const T both = body.bank.admittance(parts.places[p].shapes, parts.places[q].shapes);
-        of_places_[p * parts.places.size() + q] = of_places_[q * parts.places.size() + p] = both;
-      }
-    }
+    const auto all = [](std::size_t) { return true; };
+    measure_pairs(body, all);
+    measure_places(parts, b, all);
     body.total_admittance =
-        detail::sum_of<double>(modes, [&](std::size_t n) { return double(body.bank.admittance(n)); });
+        detail::sum_of<double>(body.bank.size(), [&](std::size_t n) { return double(body.bank.admittance(n)); });
   }
 
   /// Measures the roots of the connections' admittances without damping, the largest ones where a place moves.
@@ -132,36 +121,47 @@ class NetworkAdmittances {
   template <typename Concerns>
   void measure_where(NetworkParts<T>& parts, std::size_t b, Concerns concerns_place) {
     NetworkBody<T>& body = parts.bodies[b];
-    measure_connections(parts, b, concerns_place);
-    for (const std::size_t p : body.places) {
-      if (concerns_place(p)) parts.places[p].measure(body.bank);
-      for (const std::size_t q : body.places) {
-        if (concerns_place(p) || concerns_place(q))
-          of_places_[p * parts.places.size() + q] =
-              body.bank.admittance(parts.places[p].shapes, parts.places[q].shapes);
-      }
-    }
-  }
-
-  template <typename Concerns>
-  static void measure_connections(NetworkParts<T>& parts, std::size_t b, Concerns concerns_place) {
-    NetworkBody<T>& body = parts.bodies[b];
-    const std::size_t modes = body.bank.size(), count = body.connections.size();
     const auto concerns = [&](std::size_t i) {
       const NetworkConnection<T>& c = parts.connections[body.connections[i]];
       return (parts.is_on(c.first, b) && concerns_place(c.first)) ||
              (parts.is_on(c.second, b) && concerns_place(c.second));
     };
-    for (std::size_t i = 0; i < count; ++i)
-      if (concerns(i)) write_shapes(parts, parts.connections[body.connections[i]], b, body.shapes.data() + i * modes);
-    double* admittance = body.admittances.data();
-    for (std::size_t i = 0; i < count; ++i)
-      for (std::size_t j = 0; j <= i; ++j, ++admittance) {
-        if (!concerns(i) && !concerns(j)) continue;
-        const double *first = body.shapes.data() + i * modes, *second = body.shapes.data() + j * modes;
-        *admittance = 0;
-        for (std::size_t n = 0; n < modes; ++n) *admittance += double(body.bank.admittance(n)) * first[n] * second[n];
+    for (std::size_t i = 0; i < body.connections.size(); ++i)
+      if (concerns(i)) write_shapes(parts, parts.connections[body.connections[i]], b, body.shapes[i]);
+    measure_pairs(body, concerns);
+    measure_places(parts, b, concerns_place);
+  }
+
+  // The admittances of the pairs of a body's connections that one of `concerns` is part of.
+  template <typename Concerns>
+  static void measure_pairs(NetworkBody<T>& body, Concerns concerns) {
+    const std::size_t modes = body.bank.size();
+    for (std::size_t i = 0; i < body.connections.size(); ++i) {
+      if (!concerns(i)) continue;
+      for (std::size_t n = 0; n < modes; ++n) body.pushed[n] = double(body.bank.admittance(n)) * body.shapes[i][n];
+      for (std::size_t j = 0; j < body.connections.size(); ++j) {
+        if (j > i && concerns(j)) continue;  // its turn comes
+        body.admittances[in_triangle(i, j)] = inner_product<double>(modes, body.pushed.data(), body.shapes[j].data());
       }
+    }
+  }
+
+  // The same of the pairs of its places.
+  template <typename Concerns>
+  void measure_places(NetworkParts<T>& parts, std::size_t b, Concerns concerns) {
+    NetworkBody<T>& body = parts.bodies[b];
+    const std::size_t modes = body.bank.size();
+    ModeShapes<T>& pushed = body.pushed_by_place;
+    for (const std::size_t p : body.places) {
+      if (!concerns(p)) continue;
+      for (std::size_t n = 0; n < modes; ++n) pushed[n] = body.bank.admittance(n) * parts.places[p].shapes[n];
+      parts.places[p].travel_per_force = sum_of<T>(modes, [&](std::size_t n) { return std::abs(pushed[n]); });
+      for (const std::size_t q : body.places) {
+        if (q > p && concerns(q)) continue;
+        of_places_[p * parts.places.size() + q] = of_places_[q * parts.places.size() + p] =
+            inner_product<T>(modes, pushed.data(), parts.places[q].shapes.data());
+      }
+    }
   }
 
   // By how much the modes of a body move its connections at most, wherever their places are.
@@ -174,8 +174,8 @@ class NetworkAdmittances {
       NetworkConnection<T>& c = parts.connections[body.connections[i]];
       T& max = parts.is_on(c.first, b) ? c.first_max : c.second_max;
       max = moves_on(parts, c, b) ? max_shape(parts, c.first, b) + max_shape(parts, c.second, b) : T(0);
-      const double* shapes = body.shapes.data() + i * body.bank.size();
-      for (std::size_t n = 0; n < body.bank.size(); ++n) max = (std::max)(max, static_cast<T>(std::abs(shapes[n])));
+      for (std::size_t n = 0; n < body.bank.size(); ++n)
+        max = (std::max)(max, static_cast<T>(std::abs(body.shapes[i][n])));
       body.max_shape = (std::max)(body.max_shape, max);
     }
   }
@@ -183,11 +183,21 @@ class NetworkAdmittances {
   // Shapes of a connection on a body: those of its first place minus those of its second. The admittance of two
   // places that move almost together needs the difference before the sum over the modes, or it loses its digits.
   static void write_shapes(const NetworkParts<T>& parts, const NetworkConnection<T>& c, std::size_t body,
-                           double* shapes) {
-    for (std::size_t i = 0; i < parts.bodies[body].bank.size(); ++i) {
-      shapes[i] = parts.is_on(c.first, body) ? double(parts.places[c.first].shapes[i]) : 0;
-      if (parts.is_on(c.second, body)) shapes[i] -= double(parts.places[c.second].shapes[i]);
-    }
+                           ModeShapes<double>& shapes) {
+    for (std::size_t i = 0; i < shapes.size(); ++i) shapes[i] = 0;
+    const auto add = [&](std::size_t place, double sign) {
+      if (!parts.is_on(place, body)) return;
+      const ModeShapes<T>& at = parts.places[place].shapes;
+      for (std::size_t i = 0; i < at.size(); ++i) shapes[i] += sign * double(at[i]);
+    };
+    add(c.first, 1);
+    add(c.second, -1);
+  }
+
+  // Where the admittance of two connections of a body stands.
+  [[nodiscard]] static std::size_t in_triangle(std::size_t i, std::size_t j) {
+    const std::size_t row = (std::max)(i, j);
+    return row * (row + 1) / 2 + (std::min)(i, j);
   }
 
   [[nodiscard]] static bool moves_on(const NetworkParts<T>& parts, const NetworkConnection<T>& c, std::size_t body) {

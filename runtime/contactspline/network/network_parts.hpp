@@ -8,6 +8,7 @@
 #include <cmath>
 #include <concepts>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -20,6 +21,7 @@
 #include "contactspline/step/contact.hpp"
 #include "contactspline/step/controls.hpp"
 #include "contactspline/step/friction_heat.hpp"
+#include "contactspline/step/roughness.hpp"
 
 namespace contactspline::detail {
 
@@ -63,9 +65,11 @@ struct NetworkBody {
   T travel = 0, travelled = 0;
   std::vector<std::size_t> places;
   std::vector<std::size_t> connections;
-  std::vector<double> shapes;       // of each connection on this body
-  std::vector<double> admittances;  // of each with those up to itself, without damping [m/N]
-  IndexList awake;                  // places whose increments are computed in each sample
+  std::vector<ModeShapes<double>> shapes;  // of each connection on this body
+  ModeShapes<double> pushed;               // by how much a newton in one of them, or of a form, moves each mode [m/N]
+  ModeShapes<T> pushed_by_place;           // the same of a newton at a place
+  std::vector<double> admittances;         // of each with those up to itself, without damping [m/N]
+  IndexList awake;                         // places whose increments are computed in each sample
   ReservedList<const T*> awake_shapes;
   T free_travel = 0;               // travel in the next sample without forces and damper [m]
   std::vector<T> free_increments;  // of the awake places in the next sample, without forces and damper [m]
@@ -80,10 +84,6 @@ template <std::floating_point T>
 struct NetworkPlace {
   NetworkPlace(std::size_t of_body, const ModeShapes<T>& of_place) : body(of_body), shapes(of_place) {}
 
-  void measure(const ModalBank<T>& bank) {
-    travel_per_force = 0;
-    for (std::size_t i = 0; i < shapes.size(); ++i) travel_per_force += std::abs(bank.admittance(i) * shapes[i]);
-  }
   // Largest |shape|, also where the place may move to.
   [[nodiscard]] T max_shape() const {
     T max = mover ? T(1) : T(0);
@@ -94,9 +94,9 @@ struct NetworkPlace {
   std::size_t body;
   ModeShapes<T> shapes;              // in this sample, where the place moves
   std::optional<std::size_t> mover;  // of a place that moves
-  T travel_per_force = 0;
-  T push = 0, last_push = 0;  // from outside [N]
-  T force = 0;                // of this sample [N]
+  T travel_per_force = 0;            // sum over the modes of how far a newton here moves each [m/N]
+  T push = 0, last_push = 0;         // from outside [N]
+  T force = 0;                       // of this sample [N]
   bool is_awake = false, is_pushed = false, is_forced = false;
 };
 
@@ -144,6 +144,8 @@ struct NetworkConnection {
   T before = 0;               // compression at the beginning of the sample [m]
   bool is_awake = true;
   bool is_following = false;
+  RoughSurface<T> surface;  // of a contact
+  T slide = 0;              // by how much it slides by itself in a sample [m]
   // Of friction.
   T normal_force = 0;  // target, without that of another connection [N]
   std::size_t pressed_by;
@@ -165,7 +167,11 @@ struct NetworkParts {
     }
     for (std::size_t p = 0; p < places.size(); ++p) bodies[places[p].body].places.push_back(p);
     for (NetworkBody<T>& body : bodies) body.reserve(body.places.size());
-    for (const auto& connection : plan.connections()) connections.emplace_back(connection);
+    for (const auto& connection : plan.connections()) {
+      connections.emplace_back(connection);
+      if (connection.roughness.height_m > 0)
+        connections.back().surface = {connection.roughness, static_cast<std::uint32_t>(connections.size())};
+    }
     for (NetworkConnection<T>& c : connections) {
       if (c.first != kGround) c.first_body = places[c.first].body;
       if (c.second != kGround) c.second_body = places[c.second].body;

@@ -18,6 +18,7 @@
 #include "contactspline/modal/string_place.hpp"
 #include "contactspline/step/contact.hpp"
 #include "contactspline/step/memory.hpp"
+#include "contactspline/step/roughness.hpp"
 
 namespace contactspline {
 
@@ -46,6 +47,7 @@ class NetworkPlan {
     T weight = 1;  // multiplies the stiffness of a contact
     T gap_m = 0;
     std::span<const Memory> memories = {};  // of a contact
+    Roughness roughness = {};               // of a contact
     T spring_n_per_m = 0, resistance_n_s_per_m = 0;
     bool is_rigid = false;
     std::optional<FrictionMaterial> friction = {};
@@ -106,6 +108,10 @@ class NetworkPlan {
       add_contact(places[k], second, table, static_cast<T>(gaps_m[k]), contact, static_cast<T>(weights[k]), memories);
     return {first, places.size()};
   }
+
+  /// Makes a contact rough: its gap shrinks by the height of a surface that slides between its places
+  /// (ContactNetwork::set_surface_speed, move_place).
+  void roughen(std::size_t contact, const Roughness& roughness) { connections_[contact].roughness = roughness; }
 
   /// A spring [N/m] with a damper [N s/m] beside it; one of them may be 0. gap_m: displacement(first) -
   /// displacement(second) where the spring is relaxed.

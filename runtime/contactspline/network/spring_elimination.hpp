@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "contactspline/modal/modal.hpp"
@@ -51,9 +52,8 @@ class SpringElimination {
         right_(connections),
         free_(connections),
         force_(connections) {
-    springs_.reserve(connections);
-    is_eliminated_.reserve(connections);
-    eliminated_.reserve(connections);
+    for (auto* list : {&springs_, &eliminated_, &ready_}) list->reserve(connections);
+    is_ready_.resize(connections);
     ends_.reserve(connections);
   }
 
@@ -76,7 +76,16 @@ class SpringElimination {
     return is_old;
   }
 
-  /// The admittances that contacts meet.
+  /// Eliminates the springs from contact i, before anything below is asked of it in this sample. admittance: of the
+  /// bodies.
+  void take(std::size_t i, const ColumnMatrix<double>& admittance) {
+    if (std::exchange(is_ready_[i], true)) return;
+    eliminate_from(i, admittance);
+    ready_.push_back(i);
+    for (const std::size_t j : ready_) admittance_(i, j) = admittance_(j, i) = beside_springs(i, j, admittance);
+  }
+
+  /// The admittances that contacts meet, of those that were taken.
   [[nodiscard]] const ColumnMatrix<T>& admittance() const { return admittance_; }
 
   /// The increment of contact i without forces of contacts.
@@ -162,14 +171,10 @@ class SpringElimination {
       exact_root_[s] = std::sqrt(double(slope_[s]));
     }
     factorise_springs(admittance);
-    is_eliminated_.assign(range_.size(), false);
-    for (const std::size_t s : springs_) is_eliminated_[s] = true;
-    for (std::size_t i = 0; i < range_.size(); ++i) {
-      eliminate_from(i, admittance);
-      if (is_eliminated_[i]) continue;
-      for (std::size_t j = 0; j <= i; ++j)
-        if (!is_eliminated_[j]) admittance_(i, j) = admittance_(j, i) = beside_springs(i, j, admittance);
-    }
+    for (const std::size_t i : springs_)
+      measure_range(i, [&](std::size_t s) { return admittance(springs_[s], i) == 0; });
+    for (const std::size_t i : ready_) is_ready_[i] = false;
+    ready_.clear();
   }
 
   void factorise_springs(const ColumnMatrix<double>& admittance) {
@@ -190,15 +195,19 @@ class SpringElimination {
       }
   }
 
-  // The springs that move connection i, and row i of W, which nobody reads of a spring.
+  // Row i of W, of a contact.
   void eliminate_from(std::size_t i, const ColumnMatrix<double>& admittance) {
-    const std::size_t m = springs_.size();
     double* w = exact_rows_.column(i);
-    for (std::size_t s = 0; s < m; ++s) w[s] = exact_root_[s] * admittance(springs_[s], i);
-    if (!is_eliminated_[i]) solve_forwards(exact_factor_, ends_, w);
-    for (std::size_t s = 0; s < m; ++s) rows_(s, i) = static_cast<T>(w[s]);
-    Range& range = range_[i] = {0, m};
-    const auto is_apart = [&](std::size_t s) { return w[s] == 0 && admittance(springs_[s], i) == 0; };
+    for (std::size_t s = 0; s < springs_.size(); ++s) w[s] = exact_root_[s] * admittance(springs_[s], i);
+    solve_forwards(exact_factor_, ends_, w);
+    for (std::size_t s = 0; s < springs_.size(); ++s) rows_(s, i) = static_cast<T>(w[s]);
+    measure_range(i, [&](std::size_t s) { return w[s] == 0 && admittance(springs_[s], i) == 0; });
+  }
+
+  // The springs that move connection i.
+  template <typename IsApart>
+  void measure_range(std::size_t i, IsApart is_apart) {
+    Range& range = range_[i] = {0, springs_.size()};
     while (range.end > 0 && is_apart(range.end - 1)) --range.end;
     while (range.begin < range.end && is_apart(range.begin)) ++range.begin;
   }
@@ -217,7 +226,8 @@ class SpringElimination {
   }
 
   IndexList springs_, eliminated_;                  // of this sample; for which the constants below were computed
-  std::vector<char> is_eliminated_;                 // of all connections: is it one of these?
+  IndexList ready_;                                 // contacts that were taken since then
+  std::vector<char> is_ready_;                      // of all connections: is it one of these?
   std::vector<Range> range_;                        // springs that move a connection
   std::vector<std::size_t> ends_;                   // rows of the factor from which on each column is 0
   ColumnMatrix<double> exact_factor_, exact_rows_;  // L and W

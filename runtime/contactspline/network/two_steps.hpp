@@ -68,9 +68,9 @@ class TwoSteps {
   }
 
   /// Adds the forms to a sample which the bodies have begun, with the pushes of this sample.
-  void add_forms(const NetworkParts<T>& parts, CoupledContacts<T>& solver) const {
+  void add_forms(NetworkParts<T>& parts, CoupledContacts<T>& solver) const {
     std::size_t i = resting_.size();
-    for (const NetworkBody<T>& body : parts.bodies) {
+    for (NetworkBody<T>& body : parts.bodies) {
       const std::size_t first = i;
       const StretchForms<T>& forms = body.motion->forms();
       for (std::size_t k = 0; k < forms.size(); ++k, ++i) {
@@ -118,15 +118,13 @@ class TwoSteps {
   }
 
   // Admittances of a form of a body, which is connection i of the solver, with the connections on this body.
-  static void couple(const NetworkBody<T>& body, const StretchingForm<T>& form, std::size_t i,
-                     CoupledContacts<T>& solver) {
-    const double* shapes = body.shapes.data();
-    for (const std::size_t connection : body.connections) {
-      const double sum =
-          sum_of<double>(body.bank.size(), [&](std::size_t n) { return shapes[n] * double(form.motion()[n]); });
-      solver.set_admittance(i, connection, body.motion->gain() * sum);
-      shapes += body.bank.size();
-    }
+  static void couple(NetworkBody<T>& body, const StretchingForm<T>& form, std::size_t i, CoupledContacts<T>& solver) {
+    const std::size_t modes = body.bank.size();
+    for (std::size_t n = 0; n < modes; ++n) body.pushed[n] = double(form.motion()[n]);
+    for (std::size_t k = 0; k < body.connections.size(); ++k)
+      solver.set_admittance(
+          i, body.connections[k],
+          body.motion->gain() * inner_product<double>(modes, body.pushed.data(), body.shapes[k].data()));
   }
 
   std::vector<CoupledConnection<T>> resting_;

@@ -94,6 +94,15 @@ inline constexpr Kernels<T> kPortableKernels = {.advance_on_bridge = portable::a
 template <std::floating_point T>
 CONTACTSPLINE_OWN inline constinit Kernels<T> kernels = kPortableKernels<T>;
 
+/// The sum of a[i] b[i] over arrays of that number of modes, padded as in ModalArrays. A call by the table takes
+/// longer than a loop over few modes.
+template <std::floating_point T>
+[[nodiscard]] T inner_product(std::size_t modes, const T* a, const T* b) {
+  constexpr std::size_t kFewModes = 4;
+  if (modes > kFewModes && kernels<T>.are_vectorised()) return kernels<T>.inner_product(modes, a, b);
+  return portable::inner_product<T>(modes, a, b);
+}
+
 /// Fills the table with the kernels of ContactSpline::simd for the best instruction set of this machine. Returns
 /// true.
 template <std::floating_point T>

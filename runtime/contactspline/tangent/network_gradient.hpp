@@ -32,8 +32,8 @@ namespace contactspline {
 template <std::floating_point T>
 class RecordedNetwork {
  public:
-  /// The plan must outlive this. None of its bodies stretches (RecordedStretching), and none of its friction is at a
-  /// place that moves along a string.
+  /// The plan must outlive this. None of its bodies stretches (RecordedStretching), none of its contacts is rough,
+  /// and none of its friction is at a place that moves along a string.
   RecordedNetwork(const NetworkPlan<T>& plan, double sample_rate_hz)
       : plan_(plan), rate_(sample_rate_hz), model_(plan, sample_rate_hz) {
     for (std::size_t k = 0; k < plan.connections().size(); ++k)

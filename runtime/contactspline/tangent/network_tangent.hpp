@@ -26,7 +26,7 @@ namespace contactspline {
 /// A ContactNetwork with its derivatives with respect to P parameters. Controls of contacts and springs stay as the
 /// plan says, rigid links keep their stiffness. Once put_place() or move_place() has moved a place or its slopes, the
 /// shapes there change with the place alone, not by what the directions say of them. No body of the plan stretches
-/// (StretchingTangent), and no friction is at a place that moves along a string.
+/// (StretchingTangent), no contact is rough, and no friction is at a place that moves along a string.
 template <std::floating_point T, std::size_t P>
 class NetworkTangent {
  public:
