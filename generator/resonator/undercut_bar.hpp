@@ -37,8 +37,14 @@ class UndercutBar {
   [[nodiscard]] double shape_at(std::size_t mode, double x_m) const;
 
  private:
+  struct WeighedMode {
+    UndampedMode mode;
+    std::vector<double> weights;
+  };
+
   [[nodiscard]] double thickness_ratio_at(double x_m) const;
   void compute() const;
+  [[nodiscard]] std::vector<WeighedMode> modes_of_parity(std::size_t parity) const;
 
   Bar bar_;
   Undercut undercut_;

@@ -326,7 +326,7 @@ TEST(CLibraryInput, PushesTheBody) {
 
 // An instrument that has fallen silent is exactly 0, until it is played again.
 TEST(CLibraryBlocks, AreZeroWhileItSleeps) {
-  Handle tube = create("marimba_tube");
+  Handle tube = create("marimba");
   Block<double> block(contactspline_output_count(tube.get()));
   const auto peak_after = [&](double seconds) {
     for (double rest = seconds * kRate; rest > 0; rest -= 600) process(tube, block.pointers, block.force.data(), 600);

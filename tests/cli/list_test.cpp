@@ -101,7 +101,7 @@ TEST(List, PrintsTheLowestModeOfAResonator) {
   }
 }
 
-// At once, because it designs nothing: ten materials, 19 scores and 14 instruments ship, most of them with a
+// At once, because it designs nothing: ten materials, 20 scores and 15 instruments ship, most of them with a
 // felt of optimal knots.
 TEST(List, TakesLessTimeThanTheDesignOfAFewMaterials) {
   const double design = cpu_time_s({.arguments = {"generate", "felt_c4", "--emit", "json", "-o", "-"}});

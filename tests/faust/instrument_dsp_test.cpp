@@ -15,13 +15,13 @@
 #include "classical_guitar_double.hpp"
 #include "contactspline/host/faust_dsp.hpp"
 #include "contactspline/instruments/classical_guitar.hpp"
-#include "contactspline/instruments/marimba_tube.hpp"
+#include "contactspline/instruments/marimba.hpp"
 #include "contactspline/instruments/prepared_piano.hpp"
 #include "contactspline/instruments/slap_bass.hpp"
 #include "contactspline/instruments/snare.hpp"
 #include "contactspline/instruments/tanpura.hpp"
 #include "contactspline/instruments/trichord_c4.hpp"
-#include "marimba_tube_double.hpp"
+#include "marimba_double.hpp"
 #include "prepared_piano_double.hpp"
 #include "support/compare.hpp"
 #include "support/real_time.hpp"
@@ -357,9 +357,9 @@ TEST(FaustInstrument, OfThePreparedPianoRattlesAsTheClass) {
 // Without a contact, with one, and with springs that follow their controls.
 TEST(FaustInstrument, OfBodiesOnSpringsIsTheClass) {
   expect_same_sound<instruments::classical_guitar<double>, classical_guitar_double>(
-      10000, {{100, "pluck_finger_d3", 1}, {5000, "hand_damping_per_s", 20}});
-  expect_same_sound<instruments::marimba_tube<double>, marimba_tube_double>(
-      10000, {{0, "air_stiffness_n_per_m", 2000}, {100, "strike_mallet", 1}});
+      10000, {{0, "cavity_stiffness_n_per_m", 50000}, {100, "pluck_finger_d3", 1}, {5000, "hand_damping_per_s", 20}});
+  expect_same_sound<instruments::marimba<double>, marimba_double>(
+      10000, {{100, "strike_mallet_ds4", 1}, {5000, "tubes_damping_per_s", 100}});
 }
 
 template <typename Dsp>

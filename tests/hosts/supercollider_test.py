@@ -112,7 +112,7 @@ class SuperColliderTest(HostTest):
         """The pieces of examples/supercollider, as sclang reads them."""
         need("sclang")
         pieces = {"piano": [(2.2, hz(38, 64)), (7, hz(31, 43)), (10.2, hz(33, 45))], "drone": [(0.2, hz(43)), (1.4, hz(48)), (3.2, hz(36))],
-                  "drums": [(5, hz(60))]}  # bar of the marimba; the tom falls by up to 200 cents
+                  "drums": [(5, hz(63))]}  # bar of the marimba; the tom falls by up to 200 cents
         self.sclang("".join(f'"{EXAMPLES}/supercollider/{name}.scd".load; SynthDef("{name}", {{ Out.ar(0, SynthDef.wrap(~piece)) }})'
                             f'.writeDefFile("{os.getcwd()}");\n' for name in pieces))
         for name, notes in pieces.items():

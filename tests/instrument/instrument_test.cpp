@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "contactspline/instrument/network_instrument.hpp"
-#include "contactspline/instruments/marimba_tube.hpp"
+#include "contactspline/instruments/marimba.hpp"
 #include "contactspline/instruments/prepared_piano.hpp"
 #include "contactspline/instruments/slap_bass.hpp"
 #include "contactspline/instruments/snare.hpp"
@@ -123,7 +123,6 @@ TEST(EmittedClass, PlaysTheSamplesOfRender) {
   expect_same_as_render<instruments::slap_bass<>>("slap_line");
   expect_same_as_render<instruments::prepared_piano<>>("prepared_notes");
   expect_same_as_render<instruments::snare<>>("snare_roll");
-  expect_same_as_render<instruments::marimba_tube<>>("marimba_blows");
   expect_same_as_render<instruments::tom<>>("tom_pattern");
 }
 

@@ -42,7 +42,8 @@ const std::map<std::string, Excitation> kExcitations = {
      {R"({ "time_s": 0.1, "snare_speed_m_per_s": 3, "tom_10_speed_m_per_s": 2, "bass_speed_m_per_s": 2 })", "pickup",
       441, 1e-4}},
     {"lap_steel", {R"({ "time_s": 0.1, "pick_release_n": 3 })", "under_bar", 2205, 1}},
-    {"marimba_tube", {"marimba_blows", "mouth", 2205, 1}},
+    {"kalimba", {R"({ "time_s": 0.1, "thumb_a4_release_n": 3 })", "bridge", 2205, 1}},
+    {"marimba", {R"({ "time_s": 0.1, "mallet_ds4_speed_m_per_s": 1.2 })", "mouth_ds4", 2205, 1}},
     {"prepared_piano", {"prepared_notes", "under_bolt", 110, 1e-6}},
     {"slap_bass", {"slap_line", "pickup", 2205, 1}},
     {"snare", {"snare_roll", "pickup", 110, 1e-4}},
@@ -76,7 +77,7 @@ INSTANTIATE_TEST_SUITE_P(, EachInstrument, ::testing::ValuesIn(instruments_of_th
 class SmoothInstrument : public EachInstrument {};
 
 INSTANTIATE_TEST_SUITE_P(, SmoothInstrument,
-                         ::testing::Values("classical_guitar", "marimba_tube", "prepared_piano", "slap_bass", "snare",
+                         ::testing::Values("classical_guitar", "marimba", "prepared_piano", "slap_bass", "snare",
                                            "tanpura", "tom", "trichord_c4"),
                          [](const auto& test) { return test.param; });
 

@@ -12,7 +12,7 @@
 
 #include "contactspline/host/hosted.hpp"
 #include "contactspline/instrument/instruments_of.hpp"
-#include "contactspline/instruments/marimba_tube.hpp"
+#include "contactspline/instruments/marimba.hpp"
 #include "contactspline/instruments/prepared_piano.hpp"
 #include "contactspline/instruments/snare.hpp"
 #include "contactspline/instruments/tom.hpp"
@@ -42,8 +42,8 @@ float peak(const std::vector<float>& sound) {
 
 template <typename I>
 class InstrumentOfAFile : public ::testing::Test {};
-using Drums = ::testing::Types<instruments::tom<float>, instruments::tom<double>, instruments::marimba_tube<float>,
-                               instruments::marimba_tube<double>>;
+using Drums = ::testing::Types<instruments::tom<float>, instruments::tom<double>, instruments::marimba<float>,
+                               instruments::marimba<double>>;
 TYPED_TEST_SUITE(InstrumentOfAFile, Drums);
 
 // It decays by 22 decades of energy in less than 6 s; its mallets fly away.

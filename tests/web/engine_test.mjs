@@ -29,7 +29,7 @@ function played({ name, parameters, events }, number) {
   return samples.map((x) => x * fullScale);
 }
 
-for (const name of ["tom", "marimba_tube", "trichord_c4"]) {
+for (const name of ["tom", "marimba", "trichord_c4"]) {
   const number = instruments.findIndex((instrument) => instrument.name === name);
   const { parameter } = instruments[number].events[0];
   const { name: event, init } = instruments[number].parameters[parameter];

@@ -16,9 +16,10 @@
 #include "generated/gong.hpp"
 #include "generated/guitar_d3.hpp"
 #include "generated/guitar_g3.hpp"
+#include "generated/kalimba.hpp"
 #include "generated/kit.hpp"
 #include "generated/lap_steel.hpp"
-#include "generated/marimba_tube.hpp"
+#include "generated/marimba.hpp"
 #include "generated/piano.hpp"
 #include "generated/prepared_piano.hpp"
 #include "generated/slap_bass.hpp"
@@ -87,7 +88,8 @@ void each_instrument_of_a_file(const Visitor& visit) {
   visit.template operator()<instruments::slap_bass>();
   visit.template operator()<instruments::trichord_c4>();
   visit.template operator()<instruments::prepared_piano>();
-  visit.template operator()<instruments::marimba_tube>();
+  visit.template operator()<instruments::marimba>();
+  visit.template operator()<instruments::kalimba>();
   visit.template operator()<instruments::snare>();
   visit.template operator()<instruments::tom>();
   visit.template operator()<instruments::gong>();
