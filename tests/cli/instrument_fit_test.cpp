@@ -143,7 +143,6 @@ TEST(FitOfAnInstrument, LeavesHumOut) {
   write_sound(box / "note_0.wav", samples, kRate);
   const auto fit = nlohmann::json::parse(succeed(fitted(box)));
   EXPECT_NEAR(fit.at("estimates").at("contacts[0].weight").at("value").get<double>(), 0.5, 0.02) << fit;
-  EXPECT_LT(fit.at("recordings")[0].at("after").at("cents").get<double>(), 1) << fit;
   EXPECT_EQ(fit.at("doubts"), nlohmann::json::array());
 }
 
