@@ -17,7 +17,8 @@ struct RecordedSound {
   std::vector<double> samples;  ///< full scale is 1
 };
 
-/// Decodes a sound file: what libsndfile reads, the mean of its channels. Throws BadInput, also for more channels.
+/// Decodes a sound file: what libsndfile reads, the mean of its channels. Throws BadInput, also for more channels and
+/// where they cancel.
 [[nodiscard]] RecordedSound read_recording(std::string_view bytes, const std::string& file, int max_channels = 1);
 
 /// When a note begins [s]: its power over 5 ms reaches 0.01 of its largest. samples: not all 0.

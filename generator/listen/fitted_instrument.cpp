@@ -23,10 +23,11 @@ int digits_of(const FoundNumber& number) {
   return std::clamp(2 + static_cast<int>(std::floor(std::log10(size)) - std::floor(std::log10(width))), 4, 12);
 }
 
-std::string words_of(const FoundNumber& number) {
+std::string words_of(const FoundNumber& number, bool is_explained) {
   if (number.is_at_bound) return "; at its bound: wider bounds may fit better";
   if (!number.is_told) return "; the recordings do not tell it";
-  return fmt::format("; 95 % interval {0:.{2}g} to {1:.{2}g}", number.low, number.high, digits_of(number));
+  return fmt::format("; {3} {0:.{2}g} to {1:.{2}g}", number.low, number.high, digits_of(number),
+                     is_explained ? "95 % interval" : "doubtful:");
 }
 
 std::string json_of(const NoteDistance& distance) {
@@ -40,7 +41,9 @@ std::string report_of(const InstrumentFit& fit, const RecordedInstrument& record
   std::string text;
   for (std::size_t i = 0; i < fit.numbers.size(); ++i)
     text += fmt::format("  {:<44} {:.{}g}{}\n", recorded.open[i].key, fit.numbers[i].value, digits_of(fit.numbers[i]),
-                        words_of(fit.numbers[i]));
+                        words_of(fit.numbers[i], fit.is_explained));
+  if (!fit.is_explained)
+    text += "The intervals are doubtful: they hold if the instrument explains the notes, and it does not.\n";
   text += "distance before and after, of levels by band and time, beside what noise alone leaves; of partials\n";
   for (std::size_t n = 0; n < fit.notes.size(); ++n) {
     const auto& [before, after] = std::tie(fit.notes[n].before, fit.notes[n].after);
@@ -56,9 +59,10 @@ std::string json_of(const InstrumentFit& fit, const RecordedInstrument& recorded
   std::vector<std::string> numbers, notes, doubts;
   for (const std::string& doubt : fit.doubts) doubts.push_back(json_string(doubt));
   for (std::size_t i = 0; i < fit.numbers.size(); ++i)
-    numbers.push_back(fmt::format(R"(    {}: {{ "value": {}, "low": {}, "high": {}, "at_bound": {}, "told": {} }})",
-                                  json_string(recorded.open[i].key), fit.numbers[i].value, fit.numbers[i].low,
-                                  fit.numbers[i].high, fit.numbers[i].is_at_bound, fit.numbers[i].is_told));
+    numbers.push_back(
+        fmt::format(R"(    {}: {{ "value": {}, "low": {}, "high": {}, "at_bound": {}, "told": {}, "doubtful": {} }})",
+                    json_string(recorded.open[i].key), fit.numbers[i].value, fit.numbers[i].low, fit.numbers[i].high,
+                    fit.numbers[i].is_at_bound, fit.numbers[i].is_told, !fit.is_explained));
   for (std::size_t n = 0; n < fit.notes.size(); ++n)
     notes.push_back(fmt::format(R"(    {{ "file": {}, "kept": {}, "before": {}, "after": {} }})",
                                 json_string(recorded.notes[n].file), recorded.notes[n].is_kept,

@@ -124,6 +124,50 @@ std::vector<NoteImpression> recorded_impressions(const RecordedInstrument& recor
   return impressions;
 }
 
+// At the start or behind it, with each number at its lower and at its upper bound.
+std::vector<std::vector<double>> with_each_bound(const RecordedInstrument& recorded, std::vector<double> at) {
+  std::vector<std::vector<double>> points{at};
+  for (std::size_t i = 0; i < at.size(); ++i)
+    for (const double bound : {recorded.open[i].bounds.min, recorded.open[i].bounds.max}) {
+      points.push_back(at);
+      points.back()[i] = bound;
+    }
+  return points;
+}
+
+// Do the notes stay as they are, far below any noise, where number i goes to its bounds?
+bool changes_nothing(std::span<const RenderedNotes> at_bounds, std::size_t i, const NotesToMatch& matched) {
+  constexpr double kLeastSquares = 1e-4;  // with scales of 3 dB
+  const auto is_like = [&](const RenderedNotes& notes) {
+    if (!notes) return false;
+    const Residuals here = residuals_of(matched, *at_bounds[0]), there = residuals_of(matched, *notes);
+    return std::transform_reduce(here.values.begin(), here.values.end(), there.values.begin(), 0.0, std::plus(),
+                                 [](double a, double b) { return (a - b) * (a - b); }) < kLeastSquares;
+  };
+  return at_bounds[0] && is_like(at_bounds[1 + 2 * i]) && is_like(at_bounds[2 + 2 * i]);
+}
+
+// Throws BadInput where no search could help: a number that changes nothing, neither at the start nor at another
+// place, and a recording of a pitch out of reach.
+void require_fit(const RecordedInstrument& recorded, const NoteRenderer& renderer, std::span<const std::size_t> notes,
+                 const NotesToMatch& matched) {
+  constexpr double kOtherPart = 0.3;
+  std::vector<double> start, other;
+  for (const OpenNumber& open : recorded.open) start.push_back(open.start), other.push_back(open.at(kOtherPart));
+  const std::vector<RenderedNotes> at_start = renderer.render(with_each_bound(recorded, start), notes);
+  std::vector<RenderedNotes> elsewhere;
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    if (!changes_nothing(at_start, i, matched)) continue;
+    if (elsewhere.empty()) elsewhere = renderer.render(with_each_bound(recorded, other), notes);
+    if (!changes_nothing(elsewhere, i, matched)) continue;
+    const OpenNumber& open = recorded.open[i];
+    refuse(i < recorded.open_in_text ? recorded.file : recorded.fit_file, open.key,
+           fmt::format("the recorded notes do not depend on it from {} to {}", open.bounds.min, open.bounds.max),
+           fmt::format("a number in its place, such as {}", open.start));
+  }
+  require_pitch_in_reach(recorded, notes, matched.recorded, at_start);
+}
+
 }  // namespace
 
 InstrumentFit fit_instrument(const RecordedInstrument& recorded, const ReadFile& read,
@@ -140,6 +184,7 @@ InstrumentFit fit_instrument(const RecordedInstrument& recorded, const ReadFile&
   ListeningProblem problem(recorded, renderer, fitted, heard);
   std::vector<NoteImpression> started = renderer.render_one(problem.numbers_at(problem.start()), all);
   const auto before = distances_of(impressions, started, recorded);
+  require_fit(recorded, renderer, fitted, problem.matched);
   tell("trying numbers all over their bounds");
   const Eigen::VectorXd start = find_place(problem);
   tell("searching");
@@ -152,6 +197,7 @@ InstrumentFit fit_instrument(const RecordedInstrument& recorded, const ReadFile&
     fit.notes.push_back({before[n], after[n], impressions[n], std::move(started[n]), std::move(found[n])});
   require_pitch(recorded, fit.notes);
   fit.doubts = doubts_of(recorded, fit.notes);
+  fit.is_explained = std::ranges::all_of(fitted, [&](std::size_t n) { return is_explained(fit.notes[n]); });
   fit.numbers = found_numbers(recorded, problem, places);
   return fit;
 }

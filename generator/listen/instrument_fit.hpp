@@ -22,11 +22,12 @@ struct InstrumentFit {
   std::vector<FoundNumber> numbers;  ///< of each open one
   std::vector<FittedNote> notes;     ///< of each recording
   std::vector<std::string> doubts;   ///< lines that say what the instrument does not explain
+  bool is_explained = true;          ///< are the fitted notes? Else the intervals may lack the true numbers
 };
 
 /// Searches the open numbers by least squares from several starts (docs/how-to/fit.md). `tell` hears what is done
-/// now. Throws BadInput where the instrument cannot be made or played at the start, or as
-/// require_pitch() does.
+/// now. Throws BadInput where the instrument cannot be made or played at the start, where an open number changes
+/// nothing, and as require_pitch() does, before the search where it can tell.
 [[nodiscard]] InstrumentFit fit_instrument(const RecordedInstrument& recorded, const ReadFile& read,
                                            const std::function<void(const std::string&)>& tell);
 

@@ -119,8 +119,8 @@ bool stands_out(const std::vector<double>& power, std::size_t at, std::size_t lo
   return power[at] >= kStandingOut * *middle;
 }
 
-std::vector<Partial> partials_of(std::span<const double> samples, std::size_t onset, double sample_rate_hz,
-                                 double depth_db, std::size_t max_partials) {
+// All peaks that stand out, from 20 ms after the onset on, with the level of a sine of amplitude 2 as 0 dB.
+std::vector<Partial> partials_of(std::span<const double> samples, std::size_t onset, double sample_rate_hz) {
   constexpr double kLobe = 3;  // to its end and beyond, in parts of 1/window
   const std::size_t begin = onset + static_cast<std::size_t>(kPartialsBegin_s * sample_rate_hz);
   if (begin >= samples.size()) return {};
@@ -139,12 +139,34 @@ std::vector<Partial> partials_of(std::span<const double> samples, std::size_t on
     const auto around = std::span(power).subspan(i - lobe, 2 * lobe + 1);
     if (power[i] < std::ranges::max(around) || !stands_out(power, i, lobe)) continue;
     const double a = decibels(power[i - 1]), b = decibels(power[i]), c = decibels(power[i + 1]);
-    found.push_back({(static_cast<double>(i) + 0.5 * (a - c) / (a - 2 * b + c)) * bin_hz, b});
+    found.push_back({(static_cast<double>(i) + 0.5 * (a - c) / (a - 2 * b + c)) * bin_hz,
+                     b - 20 * std::log10(static_cast<double>(window + 1) / 2)});
   }
-  std::ranges::sort(found, std::ranges::greater(), &Partial::level_db);
-  std::erase_if(found, [&](const Partial& partial) { return partial.level_db < found.front().level_db - depth_db; });
-  if (found.size() > max_partials) found.resize(max_partials);
   return found;
+}
+
+// The strongest, by falling level.
+std::vector<Partial> strongest(std::vector<Partial> partials, double depth_db, std::size_t max_partials) {
+  std::ranges::sort(partials, std::ranges::greater(), &Partial::level_db);
+  std::erase_if(partials,
+                [&](const Partial& partial) { return partial.level_db < partials.front().level_db - depth_db; });
+  if (partials.size() > max_partials) partials.resize(max_partials);
+  return partials;
+}
+
+// Takes away the partials that sound before the onset, too, by less than 6 dB softer: hum.
+void erase_hum(std::vector<Partial>& partials, std::span<const double> before, double sample_rate_hz) {
+  constexpr double kShortest_s = 0.1, kSofter_db = 6;
+  const double before_s = static_cast<double>(before.size()) / sample_rate_hz;
+  if (before_s < kShortest_s) return;
+  const double length_s = std::min(before_s - kPartialsBegin_s, kPartialsWindow_s);
+  const std::vector<Partial> hum = partials_of(before, 0, sample_rate_hz);
+  std::erase_if(partials, [&](const Partial& partial) {
+    return std::ranges::any_of(hum, [&](const Partial& other) {
+      return std::abs(other.frequency_hz - partial.frequency_hz) < 1 / length_s &&
+             other.level_db > partial.level_db - kSofter_db;
+    });
+  });
 }
 
 // Adds the mean power of each band before the onset, from the windows that fit there.
@@ -222,8 +244,10 @@ NoteImpression impression_of(std::span<const double> samples, double sample_rate
     for (const Band& band : bands) impression.power.push_back(band.power(power));
   }
   add_noise(impression, spectrum, bands, samples, begin, static_cast<std::ptrdiff_t>(window));
-  impression.partials = partials_of(samples, static_cast<std::size_t>(std::max<std::ptrdiff_t>(begin, 0)),
-                                    sample_rate_hz, depth_db, max_partials);
+  const auto onset = static_cast<std::size_t>(std::max<std::ptrdiff_t>(begin, 0));
+  std::vector<Partial> partials = partials_of(samples, onset, sample_rate_hz);
+  erase_hum(partials, samples.first(onset), sample_rate_hz);
+  impression.partials = strongest(std::move(partials), depth_db, max_partials);
   return impression;
 }
 

@@ -31,6 +31,7 @@ struct NoteImpression {
 /// windows of about 46 ms, a quarter of that apart, in triangular bands from 60 Hz to 16 kHz or 0.45 of the sample
 /// rate. The partials are the peaks of the spectrum of the 0.4 s from 20 ms after the onset on, with a Hann window,
 /// that are at most `depth_db` below the highest and stand 12 dB out of what is beside them; at most `max_partials`.
+/// Hum, which sounds as loud in the 0.1 s or more before the note, is none of them.
 [[nodiscard]] NoteImpression impression_of(std::span<const double> samples, double sample_rate_hz, double seconds,
                                            double depth_db, std::size_t max_partials);
 

@@ -40,10 +40,26 @@ std::vector<Eigen::VectorXd> scattered(std::size_t open, const Eigen::VectorXd& 
   return places;
 }
 
-// Where one number alone moves over its bounds, and by little. Adds those that have another place almost as good to
-// `loose`.
-std::vector<Candidate> along_each(const ListeningProblem& problem, const Candidate& from,
-                                  std::vector<Eigen::Index>& loose) {
+/// Places along numbers from one that was found.
+struct AlongNumbers {
+  std::vector<Candidate> all;
+  std::vector<Candidate> valleys;   ///< the lowest ones near by beyond a rise: of each number, on each side
+  std::vector<Eigen::Index> loose;  ///< numbers that have a place far away almost as good
+};
+
+// On each side of a place, of candidates in the order of their distance from it: the lowest of those that stand lower
+// than the one before.
+void add_valleys(std::span<const Candidate> near, std::vector<Candidate>& valleys) {
+  for (const std::size_t side : {0, 1}) {
+    const Candidate* lowest = nullptr;
+    for (std::size_t i = side + 2; i < near.size(); i += 2)
+      if (near[i].cost < near[i - 2].cost && (lowest == nullptr || near[i].cost < lowest->cost)) lowest = &near[i];
+    if (lowest != nullptr) valleys.push_back(*lowest);
+  }
+}
+
+// Where one number alone moves over its bounds, and by little.
+AlongNumbers along_each(const ListeningProblem& problem, const Candidate& from) {
   constexpr int kScanned = 24;
   constexpr std::array kNear = {0.0025, 0.005, 0.01, 0.015, 0.02, 0.03, 0.04, 0.06};  // of the way between bounds
   constexpr std::size_t kEach = kScanned + 2 * kNear.size();
@@ -59,18 +75,19 @@ std::vector<Candidate> along_each(const ListeningProblem& problem, const Candida
       places.back()[i] = place_of(part);
     }
   }
-  std::vector<Candidate> all = problem.with_costs(places);
+  AlongNumbers along{problem.with_costs(places), {}, {}};
   for (Eigen::Index i = 0; i < from.place.size(); ++i) {
-    const auto of_number = std::span(all).subspan(static_cast<std::size_t>(i) * kEach, kEach);
+    const auto of_number = std::span(along.all).subspan(static_cast<std::size_t>(i) * kEach, kEach);
+    add_valleys(of_number.subspan(kScanned), along.valleys);
     const auto is_near = [&](const Candidate& candidate) {
       return std::abs(part_at(candidate.place[i]) - part_at(from.place[i])) < 1.0 / kScanned;
     };
     if (std::ranges::any_of(of_number, [&](const Candidate& candidate) {
           return !is_near(candidate) && candidate.cost < kLoose * from.cost;
         }))
-      loose.push_back(i);
+      along.loose.push_back(i);
   }
-  return all;
+  return along;
 }
 
 // Where each two of these numbers move at once.
@@ -104,14 +121,13 @@ std::vector<Eigen::VectorXd> best_apart(std::vector<Candidate> candidates, const
   return best;
 }
 
-// Where searches get to from the best of places along one or two numbers.
+// Where searches get to from the best of places along one or two numbers, and from those near by beyond a rise.
 std::vector<Candidate> others_than(const ListeningProblem& problem, const Candidate& at) {
-  std::vector<Eigen::Index> loose;
-  std::vector<Candidate> candidates = along_each(problem, at, loose);
-  std::ranges::move(along_pairs(problem, at, loose), std::back_inserter(candidates));
-  std::vector<Eigen::VectorXd> found;
-  for (const Eigen::VectorXd& place : best_apart(std::move(candidates), at))
-    found.push_back(problem.search(place, kFewSteps));
+  AlongNumbers along = along_each(problem, at);
+  std::ranges::move(along_pairs(problem, at, along.loose), std::back_inserter(along.all));
+  std::vector<Eigen::VectorXd> from = best_apart(std::move(along.all), at), found;
+  for (const Candidate& valley : along.valleys) from.push_back(valley.place);
+  for (const Eigen::VectorXd& place : from) found.push_back(problem.search(place, kFewSteps));
   return problem.with_costs(found);
 }
 

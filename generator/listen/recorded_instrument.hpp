@@ -24,7 +24,7 @@ struct RecordedNote {
 };
 
 struct RecordedInstrument {
-  std::string name;                ///< of the instrument
+  std::string fit_file;            ///< the file that was read
   std::string text, file;          ///< of the instrument file
   std::vector<std::string> files;  ///< all that were read, relative to the fit file
   std::size_t open_in_text = 0;    ///< so many of the open numbers stand in the text; the others are velocities

@@ -153,9 +153,11 @@ class RandomInstruments : public ::testing::TestWithParam<std::tuple<std::size_t
 TEST_P(RandomInstruments, AreInTheIntervals) {
   const auto& [kind, place] = GetParam();
   const auto& [name, noise, has_two_notes] = kClasses[place];
-  // In the short run a bar and a string whose noise is loud: one velocity, many minima.
-  const int few = kind < 2 && place == 2 ? 1 : 0;
-  const int cases = kMany != nullptr ? std::atoi(kMany) : few, first = kFirst != nullptr ? std::atoi(kFirst) : 111;
+  // In the short run a bar and a string whose noise is loud: one velocity, many minima. And a bar whose soft blow
+  // almost leaves its fundamental out: there is another minimum at 1.025 of the weight of its contact.
+  const bool is_loud = kind < 2 && place == 2, is_beside = kind == 0 && place == 0;
+  const int cases = kMany != nullptr ? std::atoi(kMany) : is_loud || is_beside ? 1 : 0;
+  const int first = kFirst != nullptr ? std::atoi(kFirst) : is_beside ? 203 : 111;
   std::map<std::string, Outcomes> outcomes;
   for (int i = first; i < first + cases; ++i)
     add(outcomes, drawn(kKinds[kind], static_cast<std::uint64_t>(i), noise, has_two_notes));

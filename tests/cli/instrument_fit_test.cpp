@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "cpu_time.hpp"
 #include "recorded_instrument.hpp"
 
 namespace contactspline::testing {
@@ -127,6 +128,24 @@ TEST(FitOfAnInstrument, RefusesAnOctave) {
                  "of key 69 within the bounds at 439.");
 }
 
+// Hum of 50 Hz and its harmonics, 40 dB below the peak of 0.5, in a note that is soon as soft.
+TEST(FitOfAnInstrument, LeavesHumOut) {
+  const Sandbox box;
+  Known known = with_open_weight(0.001);
+  const std::string loss = "\"constant_loss_per_s\": 5";
+  known.file.replace(known.file.find(loss), loss.size(), "\"constant_loss_per_s\": 40");
+  known.notes.resize(1);
+  record(box, known);
+  std::vector<double> samples = read_sound(box / "note_0.wav").samples;
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    for (const int harmonic : {1, 2, 3, 5, 7})
+      samples[i] += 0.005 / harmonic * std::sin(2 * std::numbers::pi * 50 * harmonic * double(i) / kRate);
+  write_sound(box / "note_0.wav", samples, kRate);
+  const auto fit = nlohmann::json::parse(succeed(fitted(box)));
+  EXPECT_NEAR(fit.at("estimates").at("contacts[0].weight").at("value").get<double>(), 0.5, 0.02) << fit;
+  EXPECT_EQ(fit.at("doubts"), nlohmann::json::array());
+}
+
 TEST(FitOfAnInstrument, TellsWhatTheInstrumentDoesNotExplain) {
   const Sandbox box;
   record(box, with_open_weight(0.001));
@@ -139,6 +158,43 @@ TEST(FitOfAnInstrument, TellsWhatTheInstrumentDoesNotExplain) {
   EXPECT_NE(fit.at("doubts")[0].get<std::string>().find("note_0.wav: the instrument does not explain it: "),
             std::string::npos);
   EXPECT_NE(fit.at("doubts")[1].get<std::string>().find("no partial near 700"), std::string::npos) << fit;
+  EXPECT_EQ(fit.at("estimates").at("contacts[0].weight").at("doubtful"), true);
+  const std::string report =
+      succeed(run({.arguments = {"fit", "my.fit.json", "-o", "out.json"}, .folder = box.path()}));
+  for (const std::string& text : {report, read_file(box / "out.json")}) {
+    EXPECT_NE(text.find("The intervals are doubtful: "), text.npos) << text;
+    EXPECT_NE(text.find("; doubtful: 0."), text.npos) << text;
+    EXPECT_EQ(text.find("95 %"), text.npos) << text;
+  }
+}
+
+// The pitch is checked before the search: of three open numbers it would take ten times as long.
+TEST(FitOfAnInstrument, RefusesAWrongPitchAtOnce) {
+  const Sandbox box;
+  Known known = kKalimba;
+  known.notes.resize(1);
+  record(box, known);
+  const std::vector<double> low = read_sound(box / "note_0.wav").samples;
+  std::vector<double> high;
+  for (std::size_t i = 0; i < low.size(); i += 2) high.push_back(low[i]);
+  const Call fit{.arguments = {"fit", "my.fit.json"}, .folder = box.path()};
+  const double searched_s = cpu_time_s(fit, 1);
+  write_sound(box / "note_0.wav", high, kRate);
+  expect_refused(fitted(box), "note_0.wav: samples: the strong partials begin at 87", "within the bounds at ");
+  EXPECT_LT(cpu_time_s(fit, 1), 0.2 * searched_s);
+}
+
+// A mass that nothing touches.
+TEST(FitOfAnInstrument, RefusesANumberThatChangesNothing) {
+  const Sandbox box;
+  Known known = with_open_weight(0.001);
+  const std::string thumb = R"({ "name": "thumb", "mass_kg": 0.001 })";
+  known.file.replace(known.file.find(thumb), thumb.size(), thumb + R"(, { "name": "idle", "mass_kg": @1 })");
+  known.open.push_back({"bodies[2].mass_kg", 0.01, 0.001, 0.1, 1});
+  record(box, known);
+  expect_refused(fitted(box),
+                 "open.json: bodies[2].mass_kg: the recorded notes do not depend on it from 0.001 to 0.1",
+                 "a number in its place, such as 0.01");
 }
 
 /// What is refused: the fit file, an instrument file if it is not the one of kKalimba, and the line.
@@ -177,6 +233,7 @@ std::vector<Bad> bad_fits() {
        "sine.wav: samples: the strong partials begin at 1234 Hz, those of key 69 ", "wider bounds"},
       {"click_before", of_file("click.wav"), "click.wav: samples: something sounds 0.21 s before the note",
        "without what is before it"},
+      {"antiphase", of_file("antiphase.wav"), "antiphase.wav: channels: they cancel", "one of the channels"},
       {"constant", of_file("constant.wav"), "constant.wav: samples: the recording is silent", "a struck note"},
       {"no_velocity", fit_of(R"("file": "sine.wav", "key": 69)"),
        fit + "recordings: no fitted one states its velocity", "0.5"},
@@ -226,6 +283,13 @@ std::vector<Bad> bad_fits() {
       {"instrument_is_no_json", fit_of(good), "open.json: ", "", "name"}};
 }
 
+void write_antiphase(const fs::path& path, const std::vector<double>& samples) {
+  SndfileHandle file(path.string(), SFM_WRITE, SF_FORMAT_WAV | SF_FORMAT_PCM_16, 2, kRate);
+  std::vector<double> frames;
+  for (const double sample : samples) frames.insert(frames.end(), {sample, -sample});
+  ASSERT_EQ(file.writef(frames.data(), std::ssize(samples)), std::ssize(samples));
+}
+
 class BadFitOfAnInstrument : public ::testing::TestWithParam<Bad> {};
 
 TEST_P(BadFitOfAnInstrument, IsRefusedInOneLineAndNothingIsWritten) {
@@ -245,6 +309,7 @@ TEST_P(BadFitOfAnInstrument, IsRefusedInOneLineAndNothingIsWritten) {
   write_sound(box / "click.wav", click, kRate);
   write_sound(box / "constant.wav", std::vector<double>(sine.size(), 0.25), kRate);
   write_sound(box / "three.wav", sine, kRate, 3);
+  write_antiphase(box / "antiphase.wav", sine);
   write_sound(box / "slow.wav", sine, 100);
   write_sound(box / "silent.wav", std::vector<double>(sine.size()), kRate);
   write_sound(box / "short.wav", std::vector<double>(sine.begin(), sine.begin() + 400), kRate);
