@@ -39,17 +39,17 @@ class classical_guitar : public Voices<NetworkInstrument<T>> {
   void set_cavity_stiffness_n_per_m(T value) { this->set(6, double(value)); }
   /// 0 to 1000, at the beginning 0.
   void set_hand_damping_per_s(T value) { this->set(7, double(value)); }
-  /// -20 to 20, at the beginning 4.
+  /// -20 to 20, at the beginning 4.38.
   void set_finger_e2_release_n(T value) { this->set(8, double(value)); }
-  /// -20 to 20, at the beginning 4.
+  /// -20 to 20, at the beginning 4.91.
   void set_finger_a2_release_n(T value) { this->set(9, double(value)); }
-  /// -20 to 20, at the beginning 4.
+  /// -20 to 20, at the beginning 4.36.
   void set_finger_d3_release_n(T value) { this->set(10, double(value)); }
-  /// -20 to 20, at the beginning 4.
+  /// -20 to 20, at the beginning 2.51.
   void set_finger_g3_release_n(T value) { this->set(11, double(value)); }
-  /// -20 to 20, at the beginning 4.
+  /// -20 to 20, at the beginning 4.66.
   void set_finger_b3_release_n(T value) { this->set(12, double(value)); }
-  /// -20 to 20, at the beginning 4.
+  /// -20 to 20, at the beginning 3.73.
   void set_finger_e4_release_n(T value) { this->set(13, double(value)); }
   /// 0 to 1, at the beginning 0.
   void set_sustain(T value) { this->set(14, double(value)); }
@@ -297,11 +297,11 @@ class classical_guitar : public Voices<NetworkInstrument<T>> {
         -0.401, -0.532, 0.496, -0.431, 0.581, -0.654, 0.55, 0.403, 0.658, -0.511, 0.643, 0.686, -0.627,
         -0.726, 0.494, -0.552, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
-        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.87,
-        4.23, -7.42, 10.5, -4.36, 6.64, -4.57, 1.23, -12.0, 1.02, -2.71, 2.41, 2.13, -1.92, -1.76, -1.56,
-        1.71, 2.01, 2.49, -2.86, 3.49, 4.31, 4.92, -5.63, 6.81, 6.79, -5.32, -4.22, 3.34, 2.73, 2.25, 1.83,
-        1.57, -1.35, -1.2, 1.01, 0.863, -0.978, 1.06, 1.15, 1.27, -1.38, -1.49, 1.66, 1.81, -1.92, -2.08,
-        2.25, -2.4, -2.56, 2.74, -2.95, 3.12, -3.37};
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2.59,
+        5.01, -8.73, 7.14, -8.76, 5.12, -5.58, 1.42, -13.1, 1.05, -3.48, 3.1, 2.73, -2.45, -2.25, -1.99, 2.16,
+        2.51, 3.06, -3.47, 4.17, 5.07, 5.72, -6.47, 7.72, 7.65, -5.99, -4.75, 3.76, 3.08, 2.53, 2.07, 1.77,
+        -1.52, -1.35, 1.14, 0.972, -1.1, 1.19, 1.3, 1.43, -1.55, -1.67, 1.87, 2.03, -2.16, -2.34, 2.53, -2.71,
+        -2.88, 3.08, -3.32, 3.52, -3.8};
     static constexpr std::array<double, 0> knots = {
         };
     static constexpr std::array<double, 0> energies = {
@@ -345,12 +345,12 @@ class classical_guitar : public Voices<NetworkInstrument<T>> {
         {"finger_e4_force_n", "N", {-20.0, 20.0}, {-20.0, 20.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
         {"cavity_stiffness_n_per_m", "N/m", {0.0, 100000.0}, {0.0, 100000.0}, 25210.0, Scale::kLinear, Acts::kAtOnce, 0.0},
         {"hand_damping_per_s", "1/s", {0.0, 1000.0}, {0.0, 1000.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
-        {"finger_e2_release_n", "N", {-20.0, 20.0}, {0.0, 8.0}, 4.0, Scale::kLinear, Acts::kAtNextNote, 0.0},
-        {"finger_a2_release_n", "N", {-20.0, 20.0}, {0.0, 8.0}, 4.0, Scale::kLinear, Acts::kAtNextNote, 0.0},
-        {"finger_d3_release_n", "N", {-20.0, 20.0}, {0.0, 8.0}, 4.0, Scale::kLinear, Acts::kAtNextNote, 0.0},
-        {"finger_g3_release_n", "N", {-20.0, 20.0}, {0.0, 8.0}, 4.0, Scale::kLinear, Acts::kAtNextNote, 0.0},
-        {"finger_b3_release_n", "N", {-20.0, 20.0}, {0.0, 8.0}, 4.0, Scale::kLinear, Acts::kAtNextNote, 0.0},
-        {"finger_e4_release_n", "N", {-20.0, 20.0}, {0.0, 8.0}, 4.0, Scale::kLinear, Acts::kAtNextNote, 0.0},
+        {"finger_e2_release_n", "N", {-20.0, 20.0}, {0.0, 8.76}, 4.38, Scale::kLinear, Acts::kAtNextNote, 0.0},
+        {"finger_a2_release_n", "N", {-20.0, 20.0}, {0.0, 9.82}, 4.91, Scale::kLinear, Acts::kAtNextNote, 0.0},
+        {"finger_d3_release_n", "N", {-20.0, 20.0}, {0.0, 8.72}, 4.36, Scale::kLinear, Acts::kAtNextNote, 0.0},
+        {"finger_g3_release_n", "N", {-20.0, 20.0}, {0.0, 5.02}, 2.51, Scale::kLinear, Acts::kAtNextNote, 0.0},
+        {"finger_b3_release_n", "N", {-20.0, 20.0}, {0.0, 9.32}, 4.66, Scale::kLinear, Acts::kAtNextNote, 0.0},
+        {"finger_e4_release_n", "N", {-20.0, 20.0}, {0.0, 7.46}, 3.73, Scale::kLinear, Acts::kAtNextNote, 0.0},
         {"sustain", "", {0.0, 1.0}, {0.0, 1.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0, 64, 1},
         {"bend_cents", "cents", {-4800.0, 4800.0}, {-200.0, 200.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0, 0, 16}}};
     static constexpr std::array<Event, 6> events = {{

@@ -7,7 +7,7 @@
 
 PROGRAM is contactspline. RECORDINGS, FITTED and KEPT hold SOURCE/KEY.wav, single notes of open strings at 44.1 kHz under their
 keys of MIDI. `fit` writes FILE. It searches by least squares from where a search ended: losses, where the strings are plucked, of
-the classical guitar masses, decays and shapes of the body's modes and how strongly they sound outside, above 1.3 kHz a curve
+the classical guitar forces of the fingers, masses, decays and shapes of the body's modes and how strongly they sound outside, above 1.3 kHz a curve
 over the frequency; of the fret guitar where its magnet is, and how the modes of the amplifier sound. What is made small are,
 for each note,
 
@@ -15,6 +15,9 @@ for each note,
         the recording's largest value, means over 46 ms
     differences of the levels of partials 1 to 20 over 0.7 s, less their median
     logarithms of the ratios of the decays of these partials from 40 to 500 ms
+
+and, for many keys of the classical guitar, how much louder they are than the mean of them, less the median of that over the sources
+[dB(A)], between the keys that were recorded on a line. The fret guitar has one force for all keys: its loudness falls by 13 dB.
 
 Fitted: E2, A2, D3, G3, B3 and E4 of Nylon Guitar of FluidR3 GM (fluid-soundfont-gm, MIT) and of tonejs-instrument-guitar-nylon
 (npm; CC-BY 3.0); E2, D3, G3 and E4 of Clean Guitar of FluidR3 GM. Kept: Nylon Guitar and Clean Electric Guitar of freepats (GPL-2
@@ -49,18 +52,21 @@ SHARP = {"e2": 4, "a2": 6, "d3": 4, "g3": 9, "b3": 8.5, "e4": 10.5}  # cents, as
 LOW = [(170, 17.8, 0.1, 1), (245, 19.2, 0.25, 0.25), (320, 25.1, 0.2, -0.7), (390, 30.6, 0.2, 0.5), (470, 36.9, 0.25, -0.4),
        (560, 39.1, 0.2, 0.6), (680, 47.5, 0.25, -0.5), (830, 57.9, 0.25, 0.45), (1010, 70.5, 0.25, -0.4), (1230, 85.9, 0.3, 0.35)]
 KNOTS = [1300, 1800, 2600, 3700, 5300]  # of the curve [Hz]
-USUAL = {**{f"constant_{s}": 0.8 for s in STRINGS}, **{f"quadratic_{s}": 6e-4 for s in STRINGS}, "plucked": 0.16, "low_mass": 1, "high_mass": 1,
+USUAL = {**{f"release_{s}": 4 for s in STRINGS}, **{f"constant_{s}": 0.8 for s in STRINGS}, **{f"quadratic_{s}": 6e-4 for s in STRINGS}, "plucked": 0.16, "low_mass": 1, "high_mass": 1,
          "decay": 1, **{f"shape_{f}": abs(shape) for f, _, _, shape in LOW}, **{f"heard_{f}": 1 for f in [f for f, *_ in LOW] + KNOTS}}
-# Where a search ended that began at the usual ones.
-BEGIN = {**USUAL, "constant_e2": 0.527, "constant_a2": 0.239, "constant_d3": 0.596, "constant_g3": 0.272, "constant_b3": 1.83,
-         "constant_e4": 2.65, "quadratic_e2": 0.000263, "quadratic_a2": 0.000437, "quadratic_d3": 0.00039, "quadratic_g3": 0.000925,
-         "quadratic_b3": 0.000668, "quadratic_e4": 0.000254, "plucked": 0.184, "low_mass": 1.04, "high_mass": 1.57, "decay": 1.67,
-         "shape_170": 0.768, "shape_245": 0.14, "shape_320": 0.252, "shape_390": 0.595, "shape_470": 0.239, "shape_560": 0.688, "shape_680":
-         0.772, "shape_830": 0.301, "shape_1010": 0.469, "shape_1230": 0.737, "heard_170": 1.87, "heard_245": 4.23, "heard_320": 7.42,
-         "heard_390": 10.5, "heard_470": 4.36, "heard_560": 6.64, "heard_680": 4.57, "heard_830": 1.23, "heard_1010": 12, "heard_1230": 1.02,
-         "heard_1300": 2.8, "heard_1800": 1.47, "heard_2600": 7.34, "heard_3700": 0.857, "heard_5300": 3.63}
-RANGES = {"constant": (0.2, 4), "quadratic": (1e-5, 5e-3), "plucked": (0.08, 0.3), "low_mass": (0.4, 4), "high_mass": (0.3, 6), "decay": (0.5, 3),
+# Where a search ended that began at the usual ones. Forces and what is heard are from a second one, by random steps, in which no
+# distance might rise by more than 0.2 dB, of recordings that are kept neither.
+BEGIN = {"release_e2": 4.38, "release_a2": 4.91, "release_d3": 4.36, "release_g3": 2.51, "release_b3": 4.66, "release_e4": 3.73,
+         "constant_e2": 0.527, "constant_a2": 0.239, "constant_d3": 0.596, "constant_g3": 0.272, "constant_b3": 1.83, "constant_e4": 2.65,
+         "quadratic_e2": 0.000263, "quadratic_a2": 0.000437, "quadratic_d3": 0.00039, "quadratic_g3": 0.000925, "quadratic_b3": 0.000668,
+         "quadratic_e4": 0.000254, "plucked": 0.184, "low_mass": 1.04, "high_mass": 1.57, "decay": 1.67, "shape_170": 0.768, "shape_245": 0.14,
+         "shape_320": 0.252, "shape_390": 0.595, "shape_470": 0.239, "shape_560": 0.688, "shape_680": 0.772, "shape_830": 0.301,
+         "shape_1010": 0.469, "shape_1230": 0.737, "heard_170": 2.59, "heard_245": 5.01, "heard_320": 8.73, "heard_390": 7.14, "heard_470": 8.76,
+         "heard_560": 5.12, "heard_680": 5.58, "heard_830": 1.42, "heard_1010": 13.1, "heard_1230": 1.05, "heard_1300": 3.59, "heard_1800": 1.88,
+         "heard_2600": 8.27, "heard_3700": 0.965, "heard_5300": 4.09}
+RANGES = {"release": (2, 8), "constant": (0.2, 4), "quadratic": (1e-5, 5e-3), "plucked": (0.08, 0.3), "low_mass": (0.4, 4), "high_mass": (0.3, 6), "decay": (0.5, 3),
           "shape": (0.05, 3), "heard": (0.003, 300)}
+GAIN = "-40"  # of what is rendered [dB]: the same for all, so that they are as loud beside each other as they are
 FAR = 4  # differences of partials beyond these decibels count by their size, not by its square
 INHARMONICITY = {of[0]: of[3] for of in STRINGS.values()}  # where partials are looked for; those of the fret guitar are near enough
 CONE = [120, 250, 600, 1400, 2800, 5000]  # modes of the amplifier [Hz]
@@ -83,8 +89,8 @@ HEADER = """\
 // for a hole of a = 43 mm, counts times (A/S)^2, because its displacement here is that of a piston as large as the top. The higher
 // modes of the top stand for such bodies in general; from 1.3 kHz on there is one for each 90 Hz.
 // Written by bench/guitar/make.py, which says how: stiffness and losses of the strings, where they are plucked, masses, decays and
-// shapes of the modes, and how they are heard are fitted to recorded notes of FluidR3 GM (MIT) and of tonejs-instrument-guitar-nylon
-// (CC-BY 3.0).
+// shapes of the modes, how they are heard, and the force of each finger are fitted to recorded notes of FluidR3 GM (MIT) and of
+// tonejs-instrument-guitar-nylon (CC-BY 3.0).
 """
 
 
@@ -123,7 +129,7 @@ def guitar(p, names=tuple(STRINGS)):
                        "max_modes": max_modes})
         places += [{"name": f"{s}_plucked", "body": s, "position_m": number(SADDLE - p["plucked"])}, {"name": f"{s}_over_saddle", "body": s, "position_m": SADDLE}]
         links.append({"name": f"{s}_bridge", "between": [f"{s}_over_saddle", "saddle"]})
-        controls.append({"name": f"finger_{s}", "force_n": f"{s}_plucked", "min": -20, "max": 20, "release_n": 4})
+        controls.append({"name": f"finger_{s}", "force_n": f"{s}_plucked", "min": -20, "max": 20, "release_n": number(p[f"release_{s}"])})
     table = modes()
     bodies.append({"name": "top", "modes": [{"frequency_hz": number(f, 5), "decay_per_s": number(decay * p["decay"]),
                                              "mass_kg": number(mass * (1 if f == 170 else p["low_mass"] if f <= 1230 else p["high_mass"]))} for f, decay, mass, _, _ in table]})
@@ -173,12 +179,15 @@ def fret_guitar(p, _=None):
 
 
 # Of each: what makes its file, from numbers and names of strings; those strings by key; numbers that are usual, and where a search
-# ended that began there; their ranges; seconds and frequencies that are compared; how much a distance from the usual number counts.
+# ended that began there; their ranges; seconds and frequencies that are compared; how much a distance from the usual number counts, and
+# a decibel of loudness; the keys whose loudness is compared.
 GUITARS = {
     "classical_guitar": {"of": guitar, "strings": {of[0]: (name,) for name, of in STRINGS.items()}, "usual": USUAL, "begin": BEGIN, "ranges": RANGES,
-                         "about": HEADER, "events": [], "seconds": 1.8, "top": 12000, "prior": 0.5},
+                         "about": HEADER, "events": [], "inharmonicity": INHARMONICITY, "seconds": 1.8, "top": 12000, "prior": 0.5, "loudness": 1,
+                         "compared": [40, 42, 43, 45, 47, 48, 50, 52, 53, 54, 55, 56, 57, 58, 59, 61, 63, 64, 66, 67, 68, 71, 74]},
     "fret_guitar": {"of": fret_guitar, "strings": {key: () for key in (40, 50, 55, 64)}, "usual": FRET_USUAL, "begin": FRET_BEGIN, "ranges": FRET_RANGES,
-                    "about": FRET_HEADER, "events": [{"time_s": 0, "fret_gap_shift_m": 0.005}], "seconds": 1.2, "top": 10000, "prior": 0.05}}
+                    "about": FRET_HEADER, "events": [{"time_s": 0, "fret_gap_shift_m": 0.005}], "inharmonicity": INHARMONICITY, "seconds": 1.2, "top": 10000, "prior": 0.05, "loudness": 0,
+                    "compared": []}}
 
 
 def rendered(program, guitar, file, key):
@@ -190,22 +199,27 @@ def rendered(program, guitar, file, key):
             Path(path).write_text(text_of(file), encoding="utf-8")
         score = {"instrument": os.path.abspath(path), "duration_s": guitar["seconds"] + 0.1, "events": [*guitar["events"], {"time_s": 0.05, "key": key}]}
         Path(f"{folder}/score.json").write_text(json.dumps(score), encoding="utf-8")
-        subprocess.run([program, "render", f"{folder}/score.json", "--no-figure", "-o", f"{folder}/note.wav"], check=True, capture_output=True)
+        subprocess.run([program, "render", f"{folder}/score.json", "--no-figure", "--gain", GAIN, "-o", f"{folder}/note.wav"], check=True,
+                       capture_output=True)
         return read(f"{folder}/note.wav")
+
+
+def loudness(sound):
+    """Of 0.6 s from the onset on [dB(A)]."""
+    spectrum = np.abs(np.fft.rfft(from_onset(sound)[:int(0.6 * RATE)], RATE)) ** 2
+    return 10 * np.log10((spectrum * 10 ** (a_weighting(np.fft.rfftfreq(RATE, 1 / RATE)) / 10)).sum())
 
 
 class Note:
     def __init__(self, sound, key, guitar):
+        self.loudness = loudness(sound)
         sound = from_onset(sound)
-        spectrum = np.abs(np.fft.rfft(sound[:int(0.6 * RATE)], RATE)) ** 2
-        f = np.fft.rfftfreq(RATE, 1 / RATE)
-        self.loudness = 10 * np.log10((spectrum * 10 ** (a_weighting(f) / 10)).sum())
         self.power = mel(sound, min(guitar["seconds"], len(sound) / RATE), guitar["top"])
         self.mel = 10 * np.log10(self.power + 1e-30)
         n = 1 << 15
         part = sound[int(0.03 * RATE):int(0.03 * RATE) + n]
         power, f = np.abs(np.fft.rfft(part * np.blackman(len(part)), n)) ** 2, np.fft.rfftfreq(n, 1 / RATE)
-        b = INHARMONICITY[key]
+        b = guitar["inharmonicity"][key]
         f0 = 440 * 2 ** ((key - 69) / 12)
         self.levels, self.sound, self.at = [], sound, []
         for k in range(1, 21):
@@ -243,6 +257,27 @@ def notes_of(folder, guitar):
     return {(source, int(key)): Note(sound, int(key), guitar) for (source, key), sound in recorded(folder).items()}
 
 
+def robust(d):
+    """Differences of partials or of loudness [dB]: beyond FAR they count by their size."""
+    return np.sign(d) * FAR * np.sqrt(2 * np.sqrt(1 + (d / FAR) ** 2) - 2)
+
+
+def louder(notes):
+    """By key, how much louder than the mean of the keys [dB(A)], the median over the sources. notes: by source and key."""
+    apart = {}
+    for source in sorted({source for source, _ in notes}):
+        loudness = {key: note.loudness for (at, key), note in notes.items() if at == source}
+        for key, level in loudness.items():
+            apart.setdefault(key, []).append(level - np.mean(list(loudness.values())))
+    return {key: np.median(levels) for key, levels in sorted(apart.items())}
+
+
+def loudness_apart(levels, expected):
+    """levels [dB(A)] by key; expected: what louder() says of recordings. Less their mean."""
+    d = np.array([level - np.interp(key, list(expected), list(expected.values())) for key, level in levels.items()])
+    return d - d.mean() if len(d) else d
+
+
 def residuals(ours, theirs):
     """Of a note."""
     n = min(len(ours.mel), len(theirs.mel)) // 4 * 4
@@ -252,7 +287,7 @@ def residuals(ours, theirs):
     levels = np.zeros(20)
     is_heard = theirs.levels > theirs.levels.max() - 50
     levels[is_heard] = ours.levels_apart(theirs)
-    levels = np.sign(levels) * FAR * np.sqrt(2 * np.sqrt(1 + (levels / FAR) ** 2) - 2)
+    levels = robust(levels)
     ratios = np.log2(np.maximum(ours.decays, 3) / np.maximum(theirs.decays, 3))
     ratios = np.where(is_heard & np.isfinite(ratios), np.clip(ratios, -2, 2), 0)
     return np.concatenate([d.ravel() / np.sqrt(d.size), LEVELS * levels / np.sqrt(20), DECAYS * ratios / np.sqrt(20)])
@@ -261,12 +296,14 @@ def residuals(ours, theirs):
 def fit(program, kind, folder, path):
     of = GUITARS[kind]
     theirs = {at: note for at, note in notes_of(folder, of).items() if at[1] in of["strings"]}
+    expected = louder(theirs)
     names = list(of["begin"])
     ranges = np.array([of["ranges"][name if name in of["ranges"] else name.rsplit("_", 1)[0]] for name in names], float)
     is_ratio = ranges[:, 0] > 0  # searched by ratios
     place = lambda numbers: np.where(is_ratio, np.log(np.where(is_ratio, numbers, 1)), numbers)
     usual, begin = (place([of[at][name] for name in names]) for at in ("usual", "begin"))
     low, high = place(ranges[:, 0]), place(ranges[:, 1])
+    begin = np.clip(begin, low + 1e-6, high - 1e-6)
     steps = np.where(is_ratio, np.minimum(0.05, (high - low) / 50), 0.1)
 
     def numbers(x):
@@ -276,23 +313,33 @@ def fit(program, kind, folder, path):
         x, key = job
         return Note(rendered(program, of, of["of"](numbers(x), of["strings"][key]), key), key, of)
 
+    def loudness_of_key(job):
+        x, key = job
+        open_key = max(open_key for open_key in of["strings"] if open_key <= key)
+        return loudness(rendered(program, {**of, "seconds": 0.6}, of["of"](numbers(x), of["strings"][open_key]), key))
+
     def all_at(places):
         with ThreadPoolExecutor(2) as pool:
             ours = list(pool.map(of_key, [(x, key) for x in places for key in of["strings"]]))
+            levels = list(pool.map(loudness_of_key, [(x, key) for x in places for key in of["compared"]]))
         found = []
         for i, x in enumerate(places):
             here = dict(zip(of["strings"], ours[i * len(of["strings"]):]))
-            found.append(np.concatenate([residuals(here[key], note) for (_, key), note in theirs.items()] + [of["prior"] * (x - usual)]))
+            apart = loudness_apart(dict(zip(of["compared"], levels[i * len(of["compared"]):])), expected)
+            found.append(np.concatenate([residuals(here[key], note) for (_, key), note in theirs.items()]
+                                        + [of["loudness"] * robust(apart), of["prior"] * (x - usual)]))
         return found
 
-    def slopes(x):
+    def slopes(offset):
+        x = begin + offset
         signed = np.where(x + steps > high, -steps, steps)
         here, *beside = all_at([x] + list(x + np.diag(signed)))
         print(f"{np.sum(here ** 2):.3f}", {name: rounded(value, 3) for name, value in numbers(x).items()}, flush=True)
         return np.array([(there - here) / step for there, step in zip(beside, signed)]).T
 
-    best = least_squares(lambda x: all_at([x])[0], np.clip(begin, low + 1e-6, high - 1e-6), slopes, bounds=(low, high), x_scale=steps, max_nfev=12, ftol=1e-3)
-    Path(path).write_text(of["about"] + text_of(of["of"](numbers(best.x), sum(of["strings"].values(), ()))), encoding="utf-8")
+    best = least_squares(lambda offset: all_at([begin + offset])[0], np.zeros(len(begin)), slopes, bounds=(low - begin, high - begin),
+                         x_scale=5 * steps, max_nfev=10, ftol=1e-3)  # from 0 on, so that the first step is small
+    Path(path).write_text(of["about"] + text_of(of["of"](numbers(begin + best.x), sum(of["strings"].values(), ()))), encoding="utf-8")
 
 
 def shown(ours, folders, of):
@@ -304,6 +351,9 @@ def shown(ours, folders, of):
             print(f"{name}, {source}: log-mel {np.mean([np.abs(a.differences(b)).mean() for a, b in pairs]):.2f} dB, partials "
                   f"{np.median(np.abs(np.concatenate([a.levels_apart(b) for a, b in pairs]))):.1f} dB, decays x {2 ** np.nanmedian(np.abs(np.concatenate(decays))):.2f}"
                   f" ({2 ** np.nanmedian(np.concatenate(decays)):.2f})")
+        expected = louder(theirs)
+        apart = loudness_apart({key: ours[key].loudness for key in expected}, expected)
+        print(f"{name}: louder than recorded beside the others, by key:", ", ".join(f"{key} {d:+.1f}" for key, d in zip(expected, apart)), "dB(A)")
 
 
 def distance(program, path, *folders):
