@@ -31,7 +31,7 @@ class StringShapes {
   /// the multiples of the first one, each shape comes from that of four modes before by a rotation, in at least
   /// double precision: within a few roundings per rotation, and many times as fast as a sine for each mode.
   constexpr void at(T place_m, Shapes& shapes) const {
-    if (of_first_ > 0) return at_multiples(of_first_ * place_m, shapes);
+    if (of_first_ > 0) return at_multiples(of_first_ * static_cast<Wide>(place_m), shapes);
     for (std::size_t i = 0; i < size(); ++i) shapes[i] = std::sin(wavenumbers_[i] * place_m);
   }
 
