@@ -147,7 +147,7 @@ def kalimba(p=TINE):
     return {"name": "kalimba", "description": "kalimba, tines on a box", "bodies": bodies, "places": places,
             "springs": [{"name": "cavity", "between": ["inwards", "air"], "stiffness_n_per_m": 21580}, {"name": "hole", "between": ["air", "ground"], "resistance_n_s_per_m": 2}],
             "links": links, "controls": controls + [{"name": "hand", "damping_per_s": [f"tine_{name}" for name in TINES], "max": 1000}],
-            "outputs": [{"name": "box", "velocity_m_per_s": ["heard", "air"], "full_scale": 0.5}, {"name": "bridge", "force_n": [f"bridge_{name}" for name in TINES], "full_scale": 20}],
+            "outputs": [{"name": "box", "velocity_m_per_s": ["heard", "air"], "full_scale": 0.5}, {"name": "bridge", "force_n": [f"bridge_{name}" for name in TINES], "full_scale": 30}],
             "input": {"force_n": "bridge", "full_scale": 10}, "keys": keys}
 
 

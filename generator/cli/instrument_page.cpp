@@ -120,8 +120,8 @@ std::string key_row(const InstrumentModel& model, const KeyRange& range) {
   if (range.tuned_key < 0) return event;
   std::vector<std::string_view> bodies;
   for (const std::vector<std::size_t>& tuned : model.keys.tuned)
-    for (const std::size_t body : tuned.front() == range.string ? tuned : std::vector<std::size_t>{})
-      bodies.push_back(model.bodies[body].name);
+    if (tuned.front() == range.string)
+      for (const std::size_t body : tuned) bodies.push_back(model.bodies[body].name);
   return fmt::format("{}, tuned{}{}: {} has the pitch of the file", event, bodies.empty() ? "" : " on ",
                      fmt::join(bodies, ", "), range.tuned_key);
 }

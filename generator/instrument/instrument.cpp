@@ -125,24 +125,24 @@ class Flattener {
   }
 
  private:
-  // Do keys name the body, which comes next, to tune it?
-  [[nodiscard]] bool is_tuned_by_name() const {
-    return std::ranges::any_of(model_.keys.tuned, [&](const std::vector<std::size_t>& tuned) {
-      return std::ranges::count(tuned, modes_.size()) > 0;
+  // Do keys name this body to tune it?
+  [[nodiscard]] bool is_tuned_by_name(std::size_t body) const {
+    return std::ranges::any_of(model_.keys.tuned, [body](const std::vector<std::size_t>& tuned) {
+      return std::ranges::count(tuned, body) > 0;
     });
   }
 
   // Keys that lower a body bring down modes that lie above the limit.
-  [[nodiscard]] double limit_hz(const Resonator& resonator) const {
-    const bool is_lowered = std::holds_alternative<StiffString>(resonator.body) || is_tuned_by_name();
-    return max_frequency_hz_ * (is_lowered ? std::exp2(-lowest_key_cents(model_) / 1200) : 1);
+  [[nodiscard]] double limit_of_tuned_hz() const {
+    return max_frequency_hz_ * std::exp2(-lowest_key_cents(model_) / 1200);
   }
 
   void add_body(const InstrumentBody& body) {
     const auto* string = std::get_if<StiffString>(&body.resonator.body);
     const double ratio = std::exp2(body.tuning_cents / 1200);
-    const bool is_tuned = is_tuned_by_name();
-    modes_.push_back(numbered_modes_of(body.resonator, limit_hz(body.resonator) / ratio).modes);
+    const bool is_tuned = is_tuned_by_name(modes_.size());
+    const double limit_hz = (string != nullptr || is_tuned ? limit_of_tuned_hz() : max_frequency_hz_) / ratio;
+    modes_.push_back(numbered_modes_of(body.resonator, limit_hz).modes);
     sort_for_forms(body, modes_.back());
     for (NumberedMode& mode : modes_.back()) {
       mode.mode.angular_frequency_rad_per_s *= ratio;
@@ -346,9 +346,9 @@ class Flattener {
   // Bodies that are tuned alone need no list.
   void add_tuned() {
     for (const std::vector<std::size_t>& tuned : model_.keys.tuned) {
-      for (std::size_t b = arrays_.tuned_with.size(); tuned.size() > 1 && b < model_.bodies.size(); ++b)
-        arrays_.tuned_with.push_back(b);
-      for (const std::size_t body : std::span(tuned).subspan(1)) arrays_.tuned_with[body] = tuned.front();
+      if (tuned.size() == 1) continue;
+      for (std::size_t b = arrays_.tuned_with.size(); b < model_.bodies.size(); ++b) arrays_.tuned_with.push_back(b);
+      for (const std::size_t body : tuned) arrays_.tuned_with[body] = tuned.front();
     }
   }
 

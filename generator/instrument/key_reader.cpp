@@ -22,9 +22,9 @@ class KeyReader {
   void read() {
     for (const char* key : {"polyphony", "damper"})
       if (draft_.json.has(key) && !draft_.json.has("keys")) draft_.json.fail(key, "has no place here", "beside keys");
-    for (const JsonObject& row :
-         draft_.objects("keys", {"key", "first", "last", "event", "tuned_key", "string", "bodies"}))
-      read_key(row);
+    const auto rows = draft_.objects("keys", {"key", "first", "last", "event", "tuned_key", "string", "bodies"});
+    for (const JsonObject& row : rows) read_key(row);
+    for (const JsonObject& row : rows) check_all_strings(row);
     if (model_.keys.ranges.empty()) return;
     std::ranges::sort(model_.keys.ranges, {}, &KeyRange::first);
     model_.keys.voices =
@@ -81,6 +81,17 @@ class KeyReader {
                  fmt::format("at most {} semitones, such as {}", kMaxSemitones, (range.first + range.last) / 2));
   }
 
+  // Keys that name nothing tune all strings, but no other body, which they would not leave alone.
+  void check_all_strings(const JsonObject& row) const {
+    if (!row.has("tuned_key") || row.has("string") || row.has("bodies")) return;
+    for (const std::vector<std::size_t>& tuned : model_.keys.tuned)
+      for (const std::size_t body : tuned)
+        if (!std::holds_alternative<StiffString>(model_.bodies[body].resonator.body))
+          row.fail(row.key("tuned_key"),
+                   fmt::format("tunes all strings, while other keys tune '{}'", model_.bodies[body].name),
+                   "beside string or bodies");
+  }
+
   // What keys tune in place of all strings: one string, or bodies that go together.
   void read_tuned(const JsonObject& row, KeyRange& range) {
     const std::string named = one_of_keys(row, {"string", "bodies"}, "kinds of what is tuned");
@@ -103,7 +114,8 @@ class KeyReader {
     for (const auto& others : model_.keys.tuned)
       for (const std::size_t body : tuned)
         if (std::ranges::count(others, body) > 0)
-          row.fail(key, fmt::format("'{}' is tuned with others by other keys", model_.bodies[body].name),
+          row.fail(key,
+                   fmt::format("'{}' is tuned by other keys, beside other bodies or alone", model_.bodies[body].name),
                    "the same bodies in the same order, or none of them");
     model_.keys.tuned.push_back(std::move(tuned));
   }

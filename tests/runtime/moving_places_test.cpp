@@ -68,8 +68,6 @@ struct RandomMovers {
   std::vector<std::size_t> movers;
 };
 
-// 100 random networks whose places move, at 1 m/s on average. A place may reach the ends of its string, where it
-// cannot be pushed.
 // Shapes of multiples of a wavenumber against sines in extended precision. In n/4 rotations and an angle of n x, the
 // errors are at most a few roundings of n (1 + x). Wavenumbers in single precision would lose more.
 template <typename T>
@@ -110,6 +108,8 @@ TEST(StringShapes, OfOtherWavenumbersAreSines) {
   for (std::size_t i = 0; i < 20; ++i) EXPECT_EQ(shapes[i], std::sin(numbers[i] * 0.37)) << i;
 }
 
+// 100 random networks whose places move, at 1 m/s on average. A place may reach the ends of its string, where it
+// cannot be pushed.
 TEST(MovingPlaces, BalanceTheEnergyWithTheWorkOfTheirHands) {
   double worst = 0, moved_j = 0;
   for (unsigned seed = 0; seed < 100; ++seed) {

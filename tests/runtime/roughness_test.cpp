@@ -208,11 +208,35 @@ TEST(RoughContact, BeginsAnewAtReset) {
       if (!again) first.push_back(skate.network.force(0));
       ASSERT_EQ(skate.network.force(0), first[static_cast<std::size_t>(n)]) << n;
     }
+    EXPECT_FALSE(skate.network.is_following()) << "a surface that slides on keeps nothing awake";
     skate.network.reset();
   }
   skate.network.set_surface_speed(skate.contact, 0);
   for (int n = 0; n < 10; ++n) skate.network.tick();
   EXPECT_FALSE(skate.network.is_following());
+}
+
+// Where bodies stretch, forces act on two samples, of which the first one of a reset lies before it.
+TEST(RoughContact, BeginsAnewAtResetWhereABodyStretches) {
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    RandomNetwork random(seed, true, false);
+    for (std::size_t k = 0; k < random.plan.connections().size(); ++k)
+      if (!random.plan.connections()[k].table.empty()) random.plan.roughen(k, {1e-4, 1e-3, true});
+    auto network = random.network(CoupledContacts<double>::kMaxSteps);
+    network.reset();
+    std::vector<double> first;
+    for (const bool again : {false, true}) {
+      for (std::size_t k = 0; k < random.plan.connections().size(); ++k)
+        if (!random.plan.connections()[k].table.empty()) network.set_surface_speed(k, 1);
+      for (std::size_t n = 0; n < 300; ++n) {
+        network.tick();
+        if (!again) first.push_back(network.energy());
+        ASSERT_EQ(network.energy(), first[n]) << "network " << seed << ", sample " << n;
+      }
+      network.reset();
+    }
+    EXPECT_GT(std::ranges::max(first), 0) << "network " << seed;
+  }
 }
 
 // A finger on a wound string: the way over the windings is that of the place.

@@ -306,11 +306,13 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
   // Is a bow on its string, or does another surface move that is pressed?
   [[nodiscard]] bool is_bowed() const {
     return std::ranges::any_of(strokes_, &Stroke::is_active) ||
-           std::ranges::any_of(rubbing_, [this](std::size_t k) { return is_rubbed(parts_.connections[k].friction); });
+           std::ranges::any_of(rubbing_, [this](std::size_t k) { return is_rubbed(k); });
   }
-  [[nodiscard]] bool is_rubbed(const InstrumentFriction& friction) const {
-    const bool is_pressed = friction.normal_force_n != 0 ||
-                            (friction.pressed_by != kNoConnection && network_->force(friction.pressed_by) > 0);
+  [[nodiscard]] bool is_rubbed(std::size_t k) const {
+    const InstrumentFriction& friction = parts_.connections[k].friction;
+    const std::size_t contact = parts_.connections[k].roughness.height_m > 0 ? k : friction.pressed_by;
+    const bool is_pressed =
+        friction.normal_force_n != 0 || (contact != kNoConnection && network_->force(contact) > 0);
     return is_pressed && friction.surface_speed_m_per_s != 0;
   }
 

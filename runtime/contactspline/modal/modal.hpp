@@ -328,9 +328,9 @@ class ModalBank {
 
   static constexpr T product(const Shapes& weights, const detail::ModalArray<T, Modes>& state) {
     if constexpr (Modes == std::dynamic_extent)
-      return detail::inner_product<T>(weights.size(), weights.data(), state.data());
-    else
-      return detail::sum_of<T>(weights.size(), [&](std::size_t i) { return weights[i] * state[i]; });
+      if (calls_kernel_for(weights.size()))
+        return detail::kernels<T>.inner_product(weights.size(), weights.data(), state.data());
+    return detail::sum_of<T>(weights.size(), [&](std::size_t i) { return weights[i] * state[i]; });
   }
 
   [[nodiscard]] double kinetic_energy(std::size_t i) const {

@@ -196,6 +196,7 @@ class ContactNetwork {
       if (!c.surface.is_rough()) continue;
       c.surface.reset();
       c.gap = c.target_gap;
+      c.lift = c.lift_before = 0;
     }
     for (const std::size_t p : pushed_) parts_.places[p].push = 0, parts_.places[p].is_pushed = false;
     pushed_.clear();
@@ -260,7 +261,7 @@ class ContactNetwork {
   /// By how much friction slipped in the last sample [m].
   [[nodiscard]] T slip(std::size_t connection) const { return solver_[connection].friction_step.slip; }
   [[nodiscard]] T gap(std::size_t connection) const { return parts_.connections[connection].gap; }  ///< that acts [m]
-  /// Are gaps, stiffnesses or places still behind their controls?
+  /// Are gaps, stiffnesses or places still behind their controls? Not a surface that slides on and on.
   [[nodiscard]] bool is_following() const { return controls_.is_following(); }
   /// Number of contacts that are too far apart to be looked at.
   [[nodiscard]] std::size_t sleeping() const {

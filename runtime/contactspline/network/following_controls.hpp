@@ -27,11 +27,11 @@ class FollowingControls {
       : time_step_(T(1 / sample_rate_hz)), step_(T(samples_of_step / sample_rate_hz)) {}
 
   /// The controls of a connection have changed.
-  void follow(NetworkConnection<T>& connection) { connection.is_following = is_following_ = true; }
+  void follow(NetworkConnection<T>& connection) { connection.is_following = is_following_ = is_behind_ = true; }
   /// A place has a new target, or has moved in this sample: the next sample begins with new lifts.
-  void note_moving_place() { is_following_ = true; }
-  /// Is anything still behind its control, or does a place move?
-  [[nodiscard]] bool is_following() const { return is_following_; }
+  void note_moving_place() { is_following_ = is_behind_ = true; }
+  /// Is anything still behind its control, or does a place move? Not a surface that slides on and on.
+  [[nodiscard]] bool is_following() const { return is_behind_; }
   /// Work of the stiffness controls in the last sample [J].
   [[nodiscard]] double work() const { return work_; }
 
@@ -40,21 +40,27 @@ class FollowingControls {
   void advance(NetworkParts<T>& parts, CoupledContacts<T>& solver, std::span<CoupledConnection<T>> resting,
                SleepingContacts<T>& sleeping) {
     work_ = 0;
+    is_behind_ = false;
     if (!std::exchange(is_following_, false)) return;
     for (std::size_t k = 0; k < parts.connections.size(); ++k) {
       NetworkConnection<T>& c = parts.connections[k];
       const T last_lift = std::exchange(c.lift, T(0));
       if (!resting.empty()) c.lift_before = last_lift;
+      const bool slides = c.surface.is_rough() && c.slide != 0;
+      bool is_behind = false;
       if (c.is_following) {
         const double part = resting.empty() ? 1 : 0.5;  // of the energy that a connection holds
-        bool follows = move_gap(c);
-        follows |= follow_stiffness(c, solver[k], part);
-        if (!resting.empty()) follows |= follow_stiffness(c, resting[k], part);
-        c.is_following = follows;
+        if (slides) c.surface.go(c.slide);
+        is_behind = move_gap(c);
+        is_behind |= follow_stiffness(c, solver[k], part);
+        if (!resting.empty()) is_behind |= follow_stiffness(c, resting[k], part);
+        c.is_following = is_behind || slides;
         sleeping.shrink(c, c.lift);
       }
       // A gap that moved must be seen at rest in the samples that follow.
-      is_following_ = is_following_ || c.is_following || c.lift != 0 || c.lift_before != 0;
+      const bool moves = c.lift != 0 || c.lift_before != 0;
+      is_following_ = is_following_ || c.is_following || moves;
+      is_behind_ = is_behind_ || is_behind || (moves && !slides);
     }
   }
 
@@ -63,14 +69,11 @@ class FollowingControls {
 
   // Is the gap still moving? A rough surface lifts it.
   bool move_gap(NetworkConnection<T>& c) {
-    T target = c.target_gap;
-    const bool slides = c.surface.is_rough() && c.slide != 0;
-    if (slides) c.surface.go(c.slide);
-    if (c.surface.is_rough()) target -= c.surface.height();
+    const T target = c.surface.is_rough() ? c.target_gap - c.surface.height() : c.target_gap;
     const T before = c.gap, max_step = kGapSpeed_m_per_s * time_step_, distance = target - c.gap;
     c.gap = std::abs(distance) < max_step ? target : c.gap + std::copysign(max_step, distance);
     c.lift = before - c.gap;
-    return c.gap != target || slides;
+    return c.gap != target;
   }
 
   // Is the stiffness still behind its control?
@@ -90,7 +93,7 @@ class FollowingControls {
 
   T time_step_, step_;  // of a sample, and of those on which a force acts
   double work_ = 0;
-  bool is_following_ = false;
+  bool is_following_ = false, is_behind_ = false;  // must the next sample look; is something not where it is to be
 };
 
 }  // namespace contactspline::detail

@@ -28,7 +28,7 @@ class RoughSurface {
   /// number: surfaces with different numbers have other random heights.
   RoughSurface(const Roughness& roughness, std::uint32_t number)
       : height_m_(static_cast<T>(roughness.height_m)),
-        nodes_per_m_(static_cast<T>((roughness.is_periodic ? 1 : 2) / roughness.length_m)),
+        nodes_per_m_((roughness.is_periodic ? 1 : 2) / roughness.length_m),
         is_periodic_(roughness.is_periodic),
         number_(number) {}
 
@@ -36,8 +36,8 @@ class RoughSurface {
 
   /// Goes a way along the surface, either direction [m].
   void go(T way_m) {
-    part_ += way_m * nodes_per_m_;
-    const T whole = std::floor(part_);
+    part_ += double(way_m) * nodes_per_m_;
+    const double whole = std::floor(part_);
     part_ -= whole;
     node_ += static_cast<std::uint32_t>(static_cast<std::int64_t>(whole));
   }
@@ -45,9 +45,10 @@ class RoughSurface {
 
   /// Here [m].
   [[nodiscard]] T height() const {
-    if (is_periodic_) return height_m_ * std::sin(2 * std::numbers::pi_v<T> * part_);
+    const T part = static_cast<T>(part_);
+    if (is_periodic_) return height_m_ * std::sin(2 * std::numbers::pi_v<T> * part);
     const T from = at(node_), to = at(node_ + 1);
-    return height_m_ * (from + (to - from) * part_ * part_ * (3 - 2 * part_));
+    return height_m_ * (from + (to - from) * part * part * (3 - 2 * part));
   }
 
  private:
@@ -60,10 +61,11 @@ class RoughSurface {
     return T((bits ^ (bits >> 16)) >> 8) / T(1 << 23) - 1;
   }
 
-  T height_m_ = 0, nodes_per_m_ = 1;
+  T height_m_ = 0;
+  double nodes_per_m_ = 1;
   bool is_periodic_ = false;
   std::uint32_t number_ = 0, node_ = 0;
-  T part_ = 0;  // of the way from this node to the next one, 0 to 1
+  double part_ = 0;  // of the way from this node to the next one, 0 to 1; slow ways are small beside it
 };
 
 }  // namespace contactspline
