@@ -48,7 +48,8 @@ class Layout {
     for (const InstrumentBody& body : model.bodies)
       left_ = std::max(left_, (box_of(label_of(body), {0, 0}).right * 2 + kAfterName) / size.width);
     diagram_.bottom = kBottom;
-    diagram_.top = static_cast<double>(model.bodies.size()) + 0.6;
+    const auto rows = static_cast<double>(model.bodies.size());
+    diagram_.top = rows + std::max(0.6, rows / 20);  // labels have room above the first row
     for (const InstrumentPlace& place : model.places) xs_.push_back(xs_on_body(place));
     for (std::size_t p = 0; p < model.places.size(); ++p)
       if (model.bodies[model.places[p].body].is_mass) xs_[p] = {x_of_mass(p)};

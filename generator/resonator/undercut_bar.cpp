@@ -4,7 +4,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -49,7 +48,7 @@ void UndercutBar::compute() const {
   for (std::size_t i = 1; i <= kFunctions; ++i)
     wavenumbers_.push_back(wavenumber_times_length(bar_, static_cast<int>(i)) / bar_.length_m);
   std::vector<WeighedMode> all = modes_of_parity(0);
-  std::ranges::move(modes_of_parity(1), std::back_inserter(all));
+  for (WeighedMode& mode : modes_of_parity(1)) all.push_back(std::move(mode));
   std::ranges::sort(all, {}, [](const WeighedMode& m) { return m.mode.angular_frequency_rad_per_s; });
   for (WeighedMode& mode : std::span(all).first(kModes)) {
     modes_.push_back(mode.mode);
