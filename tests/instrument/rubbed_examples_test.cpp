@@ -131,6 +131,16 @@ TEST(RubbedExamples, FingersMakeARodSing) {
   EXPECT_LT(rod.peak(0.8, 1), 0.01 * rod.peak(3, 4)) << "it takes a second or two";
 }
 
+// The lowest mode of five nodal diameters: lambda^2 = 32.911, of Leissa's equation for this Poisson's ratio. The
+// finger lets no lower one sing.
+TEST(RubbedExamples, BowMakesACymbalSing) {
+  const Rubbed cymbal("bowed_cymbal");
+  cymbal.expect_sane();
+  cymbal.expect_one_slip_a_period(1.2, 2.4, 0.1, 304.92);
+  cymbal.expect_one_slip_a_period(3.6, 4.7, 0.2, 304.92);
+  EXPECT_LT(cymbal.peak(0, 0.3), 0.1 * cymbal.peak(3.6, 4.7)) << "it begins softly";
+}
+
 // While the wheel turns evenly the foot stays on the board; jerked, it lifts and meets the board again and again.
 TEST(RubbedExamples, JerkOfAWheelMakesItsChienBuzz) {
   const Rubbed gurdy("hurdy_gurdy");
