@@ -75,7 +75,10 @@ template <typename T>
 void expect_sines_of_multiples() {
   constexpr std::size_t kModes = 403;
   std::vector<double> numbers = wavenumbers(kModes);
-  for (double& number : numbers) number = std::round(number * 1e9) / 1e9;
+  for (double& number : numbers) {
+    const double unit = std::pow(10, std::floor(std::log10(number)) - 12);
+    number = std::round(number / unit) * unit;
+  }
   const StringShapes<T> string{std::span<const double>(numbers)};
   ModeShapes<T> shapes(kModes);
   Random random(7);
