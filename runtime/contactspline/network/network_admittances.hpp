@@ -132,17 +132,20 @@ class NetworkAdmittances {
     measure_places(parts, b, concerns_place);
   }
 
-  // The admittances of the pairs of a body's connections that one of `concerns` is part of.
+  // The admittances of the pairs of a body's connections that one of `concerns` is part of. A pair is computed in one
+  // order only, so that it has the same digits whichever of the two has moved.
   template <typename Concerns>
   static void measure_pairs(NetworkBody<T>& body, Concerns concerns) {
     const std::size_t modes = body.bank.size();
-    for (std::size_t i = 0; i < body.connections.size(); ++i) {
-      if (!concerns(i)) continue;
+    bool is_concerned = false;
+    double* admittance = body.admittances.data();
+    for (std::size_t i = 0; i < body.connections.size(); admittance += ++i) {
+      is_concerned = is_concerned || concerns(i);
+      if (!is_concerned) continue;
       for (std::size_t n = 0; n < modes; ++n) body.pushed[n] = double(body.bank.admittance(n)) * body.shapes[i][n];
-      for (std::size_t j = 0; j < body.connections.size(); ++j) {
-        if (j > i && concerns(j)) continue;  // its turn comes
-        body.admittances[in_triangle(i, j)] = inner_product<double>(modes, body.pushed.data(), body.shapes[j].data());
-      }
+      for (std::size_t j = 0; j <= i; ++j)
+        if (concerns(i) || concerns(j))
+          admittance[j] = inner_product<double>(modes, body.pushed.data(), body.shapes[j].data());
     }
   }
 
@@ -152,14 +155,17 @@ class NetworkAdmittances {
     NetworkBody<T>& body = parts.bodies[b];
     const std::size_t modes = body.bank.size();
     ModeShapes<T>& pushed = body.pushed_by_place;
+    bool is_concerned = false;
     for (const std::size_t p : body.places) {
-      if (!concerns(p)) continue;
+      is_concerned = is_concerned || concerns(p);
+      if (!is_concerned) continue;
       for (std::size_t n = 0; n < modes; ++n) pushed[n] = body.bank.admittance(n) * parts.places[p].shapes[n];
       parts.places[p].travel_per_force = sum_of<T>(modes, [&](std::size_t n) { return std::abs(pushed[n]); });
       for (const std::size_t q : body.places) {
-        if (q > p && concerns(q)) continue;
-        of_places_[p * parts.places.size() + q] = of_places_[q * parts.places.size() + p] =
-            inner_product<T>(modes, pushed.data(), parts.places[q].shapes.data());
+        if (q > p) break;
+        if (concerns(p) || concerns(q))
+          of_places_[p * parts.places.size() + q] = of_places_[q * parts.places.size() + p] =
+              inner_product<T>(modes, pushed.data(), parts.places[q].shapes.data());
       }
     }
   }
@@ -192,12 +198,6 @@ class NetworkAdmittances {
     };
     add(c.first, 1);
     add(c.second, -1);
-  }
-
-  // Where the admittance of two connections of a body stands.
-  [[nodiscard]] static std::size_t in_triangle(std::size_t i, std::size_t j) {
-    const std::size_t row = (std::max)(i, j);
-    return row * (row + 1) / 2 + (std::min)(i, j);
   }
 
   [[nodiscard]] static bool moves_on(const NetworkParts<T>& parts, const NetworkConnection<T>& c, std::size_t body) {
