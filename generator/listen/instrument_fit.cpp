@@ -125,7 +125,7 @@ std::vector<NoteImpression> recorded_impressions(const RecordedInstrument& recor
 }
 
 // At the start or behind it, with each number at its lower and at its upper bound.
-std::vector<std::vector<double>> with_each_bound(const RecordedInstrument& recorded, std::vector<double> at) {
+std::vector<std::vector<double>> with_each_bound(const RecordedInstrument& recorded, const std::vector<double>& at) {
   std::vector<std::vector<double>> points{at};
   for (std::size_t i = 0; i < at.size(); ++i)
     for (const double bound : {recorded.open[i].bounds.min, recorded.open[i].bounds.max}) {
