@@ -138,14 +138,14 @@ class NetworkAdmittances {
   static void measure_pairs(NetworkBody<T>& body, Concerns concerns) {
     const std::size_t modes = body.bank.size();
     bool is_concerned = false;
-    double* admittance = body.admittances.data();
-    for (std::size_t i = 0; i < body.connections.size(); admittance += ++i) {
+    for (std::size_t i = 0; i < body.connections.size(); ++i) {
       is_concerned = is_concerned || concerns(i);
       if (!is_concerned) continue;
       for (std::size_t n = 0; n < modes; ++n) body.pushed[n] = double(body.bank.admittance(n)) * body.shapes[i][n];
+      double* row = body.admittances.data() + i * (i + 1) / 2;  // of the triangle
       for (std::size_t j = 0; j <= i; ++j)
         if (concerns(i) || concerns(j))
-          admittance[j] = inner_product<double>(modes, body.pushed.data(), body.shapes[j].data());
+          row[j] = inner_product<double>(modes, body.pushed.data(), body.shapes[j].data());
     }
   }
 
