@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "contactspline/host/engine.hpp"
+#include "contactspline/midi/key_tuning.hpp"
 #include "contactspline/modal/modal.hpp"
 #include "contactspline/step/flush_denormals.hpp"
 #include "contactspline/step/half_band.hpp"
@@ -173,7 +174,7 @@ class VoicePlayer {
     return static_cast<std::size_t>(std::ranges::count(part.events(), EventKind::kStrike, &Event::kind));
   }
 
-  // A strike that several notes hold is released by the last one.
+  // A strike or a key that several notes hold is released by the last one.
   void take(const StrikeTrack::Change& change) {
     if (change.is_end) {
       if (--held_[change.strike->strike] == 0) release(*change.strike);
@@ -193,7 +194,12 @@ class VoicePlayer {
 
   void take(const NoteTrack::Change& change) {
     if constexpr (Instrument<Part>) {
-      if (change.is_end) return part_.note_off(change.strike->key);
+      int& held = held_keys_[static_cast<std::size_t>(change.strike->key)];
+      if (change.is_end) {
+        if (--held == 0) part_.note_off(change.strike->key);
+        return;
+      }
+      ++held;
       is_struck_ = true;
       if (is_tuned_)
         part_.play({0, Action::kBendKey, static_cast<std::size_t>(change.strike->key), change.strike->cents});
@@ -206,9 +212,10 @@ class VoicePlayer {
   ControlTrack controls_;
   StrikeTrack strikes_;
   NoteTrack notes_;
-  std::vector<int> held_;  // notes that hold each strike
-  double bend_cents_;      // 0 but for a hammer-string
-  bool is_tuned_;          // are there notes beside the pitches of their keys?
+  std::vector<int> held_;                   // notes that hold each strike
+  std::array<int, kMidiKeys> held_keys_{};  // and each key
+  double bend_cents_;                       // 0 but for a hammer-string
+  bool is_tuned_;                           // are there notes beside the pitches of their keys?
   bool is_struck_ = false;
 };
 
