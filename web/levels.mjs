@@ -18,8 +18,8 @@ const kBent = 1e-3; // of the samples may be above what counts as the peak: the 
 const [wasm, output] = process.argv.slice(2);
 const engine = startEngine(readFileSync(join(wasm, "engine.wasm")), kRate);
 const generator = startGenerator(readFileSync(join(wasm, "generator.wasm")));
-const strings = engine.strings();
-const instruments = new Map(engine.instruments().map((instrument, number) => [instrument.name, { ...instrument, number, strings }]));
+const tuned = ({ name }) => (cents) => generator.tuned(name, cents, kRate);
+const instruments = new Map(engine.instruments().map((instrument, number) => [instrument.name, { ...instrument, number, tuned: tuned(instrument) }]));
 
 function soundOf({ voices, messages }, instrument) {
   const { number } = instrument;

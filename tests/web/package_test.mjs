@@ -618,8 +618,8 @@ const browserCases = {
       await page.reload(); // a page has room for so many memories, which its contexts keep
       silent.push(...(await page.evaluate(silentOf, instrument)));
     }
-    // Pedals that hold what other pedals or keys do, and the rate of a vibrato without width.
-    assert.deepEqual(silent, ["piano sostenuto", "slide_string vibrato_hz"]);
+    // A pedal that holds what keys do.
+    assert.deepEqual(silent, ["piano sostenuto"]);
   },
 
   "force and energy are told": async (page) => {

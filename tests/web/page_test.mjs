@@ -137,7 +137,7 @@ const casesOfOnePage = {
     const all = await page.evaluate(() => [...contactSpline.page.instruments.values()].map(({ name, velocity, keys }) => [name, velocity, keys]));
     const files = readdirSync(new URL("../../data/instruments/", import.meta.url)).map((file) => file.replace(".json", ""));
     assert.deepEqual(files.filter((file) => !all.some(([name]) => name === file)), [], "instrument files that ship");
-    assert.equal(all.length, files.length + 6, "the files, and hammers, piano, mass, slide, fret, dulcimer");
+    assert.equal(all.length, files.length + 3, "the files, and hammers, piano, mass");
     for (const [name, velocity, keys] of all) {
       const [lowest, highest] = keys ?? [60, 60];
       const { samples, right } = await render(page, name, [strike(Math.max(lowest, Math.min(highest, 60)), velocity)], 0.3);
@@ -239,7 +239,7 @@ const casesOfOnePage = {
     // A light pluck, which hardly wraps around the bridge.
     const found = [];
     for (const c of cents) {
-      const voices = [{ cents: c, pan: 0 }];
+      const voices = [{ pan: 0, bytes: await page.evaluate((c) => [...contactSpline.page.instruments.get("tanpura").tuned(c)], c) }];
       const messages = [{ at: 0.001, do: "strike", voice: 1, event: 0, value: 0.05 }];
       const { samples } = await render(page, "tanpura", [{ do: "score", voices, messages }], 2);
       const expected = 130.81 * 2 ** (c / 1200);
@@ -247,31 +247,6 @@ const casesOfOnePage = {
     }
     console.log(`  ${found.map((x) => x.toFixed(1)).join(", ")} cents`);
     for (const [i, c] of cents.entries()) assert.ok(Math.abs(found[i] - found[1] - c) < 3, `${c} cents: ${found[i] - found[1]}`);
-  },
-
-  async "voices with strings of their own have their pitches"(page) {
-    for (const name of ["fret_buzz", "slide_guitar", "dulcimer"]) {
-      const { voices, instrument, numbers } = await page.evaluate((name) => {
-        const { page, performanceOf, instrumentOf } = contactSpline;
-        const score = page.scores.get(name);
-        const { name: instrument, parameters } = page.instruments.get(instrumentOf(score, page.instruments));
-        const numbers = Object.fromEntries(parameters.map(({ name }, number) => [name, number]));
-        return { voices: performanceOf(score, page.instruments.get(instrument)).voices, instrument, numbers };
-      }, name);
-      // Alone and lightly, on a string that neither the fret nor the slide touches. The two strings of the dulcimer are 1.2 cents apart.
-      for (const voice of voices) {
-        const [, note, octave] = voice.name.match(/^([a-g])(\d)$/);
-        const key = 12 * (Number(octave) + 1) + { c: 0, d: 2, e: 4, f: 5, g: 7, a: 9, b: 11 }[note];
-        const set = (parameter, value) => ({ at: 0.001, do: "set", voice: 1, parameter: numbers[parameter], value });
-        const light = { fret_string: [set("gap_m", 0.01), set("pluck_n", 0.5)], slide_string: [set("hand_force_n", -30), set("pluck_n", 0.5)], dulcimer: [set("speed_m_per_s", 0.5)] };
-        const messages = [...light[instrument], { at: 0.01, do: "noteOn", voice: 1, key: 60, velocity: 1 }];
-        const { samples } = await render(page, instrument, [{ do: "score", voices: [{ ...voice, pan: 0, height_m: 0.05 }], messages }], 1.5);
-        const expected = 440 * 2 ** ((key - 69) / 12);
-        const cents = 1200 * Math.log2(partialNear(samples.slice(4410), 44100, expected) / expected);
-        console.log(`  ${name}, ${voice.name}: ${cents.toFixed(2)} cents`);
-        assert.ok(Math.abs(cents) < 3, `${name}, ${voice.name}: ${cents} cents off`);
-      }
-    }
   },
 
   async "membranes are surfaces, along which waves run"(page) {
@@ -335,7 +310,7 @@ const casesOfOnePage = {
     const parts = { tanpura: "string", classical_guitar: "board string string string string string string", fret_guitar: "board stop string", lap_steel: "string weight", trichord_c4: "board hammer string string string",
       prepared_piano: "hammer string string weight weight", marimba: "ball bar tube", kalimba: "bar bar bar bar bar tube", snare: "stick string string string surface surface", tom: "stick surface surface",
       gong: "ball surface", kit: "stick surface surface", violin: "board bow string string string string", cello: "board bow string string string string",
-      piano: "hammer string", hammer_on_string: "hammer string", dulcimer: "hammer string", mass_barrier: "hammer wall", slide_string: "stop string", fret_string: "stop string", slap_bass: "finger stop string" };
+      piano: "hammer string", hammer_on_string: "hammer string", mass_barrier: "hammer wall", slap_bass: "finger stop string" };
     const all = await page.evaluate(() => [...contactSpline.page.instruments.keys()]);
     assert.deepEqual(Object.keys(parts).toSorted(), all.toSorted(), "a line for each instrument");
     for (const [instrument, expected] of Object.entries(parts)) {
@@ -350,7 +325,6 @@ const casesOfOnePage = {
       assert.deepEqual(shown.toSorted().join(" "), expected.split(" ").toSorted().join(" "), instrument);
       assert.equal(apart, expected.split(" ").filter((kind) => kind === "string").length, `${instrument}: strings side by side`);
       if (instrument === "piano") assert.equal(count, 3, "three strings of a unison");
-      if (instrument === "dulcimer") assert.equal(count, 2, "two strings of a course");
     }
   },
 
@@ -1534,7 +1508,7 @@ const cases = {
 
   async "a string is pulled and let go"() {
     await withPage(server.address, async (page) => {
-      for (const [instrument, parameter] of [["tanpura", "finger_release_n"], ["fret_string", "pluck_n"]]) {
+      for (const [instrument, parameter] of [["tanpura", "finger_release_n"], ["fret_guitar", "finger_release_n"]]) {
         await page.selectOption("#instrument", instrument);
         await page.evaluate(() => contactSpline.page.stage.rest());
         const { hold, box, max, at, half } = await page.evaluate((name) => {

@@ -182,11 +182,11 @@ class Page {
     const [engine, studies, generator] = ["engine", "studies", "generator"].map(moduleAsset);
     this.engine = startEngine(await engine, kSampleRate);
     this.studies = startStudies(await studies, kSampleRate);
-    const strings = this.engine.strings();
     this.engine.instruments().forEach((instrument, number) => {
       let bytes; // of a file, packed when it is first drawn
       const packed = () => (bytes ??= this.packed(number, instrument.name));
-      this.instruments.set(instrument.name, { ...instrument, number, strings, packed });
+      const tuned = (cents) => this.editor.generator.tuned(instrument.name, cents, kSampleRate);
+      this.instruments.set(instrument.name, { ...instrument, number, packed, tuned });
     });
     this.offerInstruments();
     const first = stateOf(location.hash);

@@ -14,8 +14,8 @@ export const kPresets = {
   "Steel on steel": keys("steel_on_steel", { speed_m_per_s: 1 }),
   "Piano of 88 keys": other("piano"),
   "Bouncing mass": other("mass_barrier", { gravity_m_per_s2: 50, speed_m_per_s: 1 }),
-  "Slide with vibrato": other("slide_string", { vibrato_m: 0.003 }),
-  "Buzzing string": other("fret_string", { gap_m: 0.00002 }),
+  "Light hand on a slide": other("lap_steel", { press_gap_shift_m: -0.008, pick_release_n: 2 }),
+  "Buzzing string": other("fret_guitar", { fret_gap_shift_m: -1.5e-5 }),
   "Tanpura": other("tanpura"),
   "Snare without wires": other("snare", { strainer_gap_shift_m: 0.002 }),
 };

@@ -2,7 +2,6 @@
 // The scores that ship (docs/reference/scores.md), as messages for the audio thread.
 
 const kStep = 0.005; // seconds between two values of a control that glides
-const kHammered = "dulcimer"; // plays hammer-strings that are voices
 const kFirstKey = 60; // of the events of an instrument without keys
 const kTail = 1; // seconds after the last event of a score that says no longer
 
@@ -21,7 +20,7 @@ export function scoreOfMidi({ title, messages, end, parts = [{ messages }] }) {
 
 /** The instrument of the page that a score plays, or null. */
 export function instrumentOf(score, instruments) {
-  const name = score.keyboard ?? (score.instrument === "hammer-string" ? kHammered : score.instrument.replaceAll("-", "_"));
+  const name = score.keyboard ?? score.instrument;
   return instruments.has(name) ? name : null;
 }
 
@@ -72,16 +71,12 @@ function eventMessages({ events }, { keys, parameters, events: played }, name, v
   ]);
 }
 
-/** A score for an instrument as engine.cpp describes it, with the names of its strings: { voices (engine.js), each with its pan, messages by rising time `at`
- * [s] }. A voice of the score is one beside the instrument; without voices the instrument itself plays. */
+/** A score for an instrument as engine.cpp describes it: { voices (engine.js), each with its pan, messages by rising time `at` [s] }.
+ * A voice of the score is one beside the instrument; without voices the instrument itself plays. Its tuned(cents)
+ * tells the bytes of the instrument with its strings tuned. */
 export function performance(score, instrument) {
   if (score.played) return score.played;
-  const voices = (score.voices ?? []).map(({ tuning_cents = 0, pan = 0, resonator, ...own }) => ({
-    cents: tuning_cents,
-    pan,
-    string: instrument.strings.indexOf(resonator),
-    ...own,
-  }));
+  const voices = (score.voices ?? []).map(({ tuning_cents = 0, pan = 0 }) => ({ pan, bytes: tuning_cents === 0 ? undefined : instrument.tuned(tuning_cents) }));
   const names = score.voices?.map(({ name }) => name) ?? [undefined];
   const messages = score.keyboard
     ? keyMessages(score, instrument)

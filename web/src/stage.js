@@ -137,7 +137,6 @@ export class Stage {
       values: item.column !== undefined && !item.points && study.column(item.column),
       compressions: item.compression !== undefined && study.column(item.compression),
       forces: item.force !== undefined && study.column(item.force),
-      places: item.atColumn !== undefined && study.column(item.atColumn),
       boards: item.board !== undefined && study.column(item.board),
       slid: item.slip !== undefined && slidOf(study.column(item.slip)),
       quads: item.rings > 0 && surfaceOf(item.rings, item.isFree),
@@ -182,7 +181,7 @@ export class Stage {
     this.depth = hammers.length === 0 ? null : Math.min(kFarthest * this.reach, -Math.min(0, ...hammers.map((values) => Math.min(...values))));
     const stops = this.items.filter(({ kind }) => kind === "stop");
     this.bridge = stops.length >= 8 && stops.every(({ at }) => at < kBridge) ? stops : null;
-    this.frets = this.bridge ? [] : stops.filter(({ name }) => name !== "slide");
+    this.frets = this.bridge ? [] : stops;
   }
 
   // Where the force is largest, without motion.
@@ -400,8 +399,7 @@ export class Stage {
     if (kind === "hammer") this.drawHammer(context, box, item, across(item.at), value, this.shape(i, part));
     if (kind === "bow") this.drawBow(context, box, item, across(item.at), i, part);
     if (kind === "stop" && !this.bridge?.includes(item)) {
-      const x = across(item.places ? value(item.places) : item.at);
-      this.drawStop(context, x, this.height(box, item.values ? value(item.values) : item.height), item, value(item.forces), box);
+      this.drawStop(context, across(item.at), this.height(box, item.height), item, value(item.forces), box);
     }
     if (kind === "touch") this.drawTouch(context, across(item.at), this.string ? this.height(box, this.stringAt(item.at, i, part)) : box.middle, value(item.forces));
   }
@@ -689,17 +687,14 @@ export class Stage {
     this.write(context, "rigid barrier", box.left + 8, box.middle - 20, "soft");
   }
 
-  // What a string meets: a slide of steel, or a fret. It is in the accent's colour while it pushes.
-  drawStop(context, x, y, { side, name }, force, box) {
-    const away = Math.sign(side * -box.unit); // to where the stop continues on the canvas
-    if (name === "slide") drawSteel(context, x, y + 17 * away, 16, force > 0);
-    else drawFretWire(context, x, y, away, force > 0);
-    if (name) this.write(context, name, x > box.right - 60 ? x - 40 : x + 24, y + 17 * away + 5, "soft");
+  // What a string meets. It is in the accent's colour while it pushes.
+  drawStop(context, x, y, { side }, force, box) {
+    drawFretWire(context, x, y, Math.sign(side * -box.unit), force > 0); // to where the stop continues on the canvas
   }
 
   // Is the end to the left, -1, or to the right, 1, that of a neck with frets?
   isNeck(out) {
-    return this.frets.length > 0 && out > 0 === (this.frets[0].places?.[0] ?? this.frets[0].at) > 0.5;
+    return this.frets.length > 0 && out > 0 === this.frets[0].at > 0.5;
   }
 
   // The wood in which frets stand.
@@ -707,8 +702,8 @@ export class Stage {
     if (this.frets.length === 0) return;
     const { side } = this.frets[0];
     const away = Math.sign(side * -box.unit);
-    const places = this.frets.map(({ at, places }) => (places ? value(places) : at));
-    const heights = this.frets.map(({ height, values }) => this.height(box, values ? value(values) : height));
+    const places = this.frets.map(({ at }) => at);
+    const heights = this.frets.map(({ height }) => this.height(box, height));
     const edge = (away > 0 ? Math.max(...heights) : Math.min(...heights)) + 7 * away;
     const across = (at) => box.left + (box.right - box.left) * at;
     // A single fret is where the neck ends, at one side or the other.

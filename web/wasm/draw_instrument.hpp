@@ -79,7 +79,8 @@ namespace detail {
 [[nodiscard]] inline Bytes packed_drawing(const InstrumentModel& model, double max_frequency_hz) {
   InstrumentModel shapes;  // of places at all points
   shapes.bodies = model.bodies;
-  shapes.keys.ranges = model.keys.ranges;  // keys that lower strings bring down modes
+  shapes.keys.ranges = model.keys.ranges;  // keys that lower bodies bring down modes
+  shapes.keys.tuned = model.keys.tuned;
   std::vector<DrawnBody> bodies;
   for (InstrumentBody& body : shapes.bodies) {
     body.airy_functions = std::min<std::size_t>(body.airy_functions, 1);  // which sort the modes alike

@@ -21,7 +21,7 @@ double contact_loss(const CoupledConnection<T>& contact, double sample_rate_hz, 
 }
 
 /// The energies of a hammer-string [J].
-struct Books {
+struct StrikeEnergies {
   double hammer = 0, felt = 0, string = 0;
   double dissipated = 0, work = 0;
 
@@ -55,7 +55,7 @@ class StrikeBooks {
     books_.string = model.string().energy();
   }
 
-  [[nodiscard]] const Books& books() const { return books_; }
+  [[nodiscard]] const StrikeEnergies& books() const { return books_; }
 
  private:
   static CoupledConnection<T> contact(const HammerString<T>& model, SegmentTable<T> felt,
@@ -63,7 +63,7 @@ class StrikeBooks {
     return contact_of(felt, controls.felt, model.memory(), model.compression(), model.force());
   }
 
-  Books books_;
+  StrikeEnergies books_;
 };
 
 }  // namespace contactspline::web

@@ -4,24 +4,20 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <numbers>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "contactspline/instrument/voices.hpp"
-#include "generated/felt_c4.hpp"
-#include "generated/steel_on_steel.hpp"
+#include "contactspline/host/oversampled.hpp"
+#include "contactspline/midi/key_tuning.hpp"
+#include "contactspline/midi/midi_interpreter.hpp"
 #include "web/wasm/door.hpp"
 #include "web/wasm/hammer_keys.hpp"
 #include "web/wasm/instruments.hpp"
 #include "web/wasm/packed_instrument.hpp"
 #include "web/wasm/playable.hpp"
-#include "web/wasm/string_voices.hpp"
-#include "web/wasm/tuned_network.hpp"
 
 namespace contactspline::web {
 namespace {
@@ -40,8 +36,12 @@ Material material;
 std::vector<Voice> voices;  // of the instrument that was chosen
 std::size_t chosen = 0;
 double chosen_rate_hz = 0;
+int oversampling = 1;  // of the instruments that are made from now on
+Bytes own;             // packed instrument of the page's user
+Bytes of_voice;        // of the next voice
+Bytes sent;            // for the studies
 std::array<float, 3 * kBlock> outputs, part;
-std::array<double, 5> shown_books;
+std::array<double, 5> shown_energies;
 std::array<std::uint8_t, 128> midi_bytes;
 KeyCents key_cents;
 
@@ -65,119 +65,23 @@ void hear(const MidiEvent& event) {
 // Of all voices, and of other instruments if it is for them, too.
 void take_midi(std::span<const std::uint8_t> bytes, bool is_for_parts = false) {
   for (const Voice& each : voices)
-    if (is_for_parts || !each.is_part) each.instrument->midi(bytes);
+    if (is_for_parts || !each.is_part) each.instrument->hosted().midi(bytes);
   heard_midi.take(bytes, [](const MidiEvent& event) { hear(event); });
 }
 
-/// What a voice of a score has of its own: the tuning of its strings, or one of kStrings with the place of its pluck
-/// and the height of a slide, or its hammer and damper.
-struct VoicePlan {
-  double cents = 0;
-  int string = -1;  ///< none
-  double pluck_m = 0, height_m = 0;
-  double hammer_mass_kg = NAN, damper_per_s = NAN;  ///< not a number: those of the instrument
-
-  [[nodiscard]] bool is_plain() const { return cents == 0 && string < 0; }
-  /// Its strings; nothing where it has none of its own, or one of another number of strings.
-  [[nodiscard]] std::optional<ResonatorParts> strings(bool is_course) const {
-    if (string < 0 || string >= static_cast<int>(kStrings.size())) return {};
-    ResonatorParts parts = tuned(kStrings[static_cast<std::size_t>(string)].parts(), cents, chosen_rate_hz);
-    if ((parts.string->detuning_cents.size() > 1) != is_course) return {};
-    return parts;
-  }
-};
-
-/// Makes an instrument; null if it cannot have such a voice.
-using Maker = std::function<std::unique_ptr<Playable>(const VoicePlan&)>;
-
-template <typename I, std::size_t sound = 0, typename... Args>
-Maker maker(Args&... args) {
-  return [&args...](const VoicePlan& plan) -> std::unique_ptr<Playable> {
-    if (!plan.is_plain()) return nullptr;
-    return std::make_unique<PlayableBehind<I, sound>>(args...);
-  };
+// Those of the list: models, files, and the user's own where there is one.
+std::size_t instrument_count() {
+  return kModels + kFiles.size() + (own.empty() ? 0 : 1);
 }
 
-// I is a guitar string that is plucked, whose sound is the force on its bridge; a voice is a Model with another
-// string.
-template <typename I, typename Model>
-Maker maker_of_plucked() {
-  return [](const VoicePlan& plan) -> std::unique_ptr<Playable> {
-    constexpr std::size_t kBridge = StringOutput::kBridge;
-    if (plan.is_plain()) return std::make_unique<PlayableBehind<I, kBridge>>();
-    auto string = plan.strings(false);
-    if (!string) return nullptr;
-    PluckedStringParts parts = detail::at_contact<materials::steel_on_steel>(*std::move(string));
-    parts.resonator.pluck_m = plan.pluck_m;
-    parts.resonator.max_outputs = StringOutput::kOutputs;
-    parts.height_m = plan.height_m;
-    return std::make_unique<PlayableBehind<Model, kBridge>>(std::move(parts));
-  };
-}
-
-// The hammered dulcimer, whose sound is the force on its bridge.
-std::unique_ptr<Playable> dulcimer(const VoicePlan& plan) {
-  constexpr std::size_t kBridge = StringOutput::kBridge;
-  if (plan.is_plain()) return std::make_unique<PlayableBehind<Dulcimer<float>, kBridge>>();
-  auto course = plan.strings(true);
-  if (!course) return nullptr;
-  const double hammer_kg = plan.hammer_mass_kg > 0 ? plan.hammer_mass_kg : Dulcimer<float>::kHammer_kg;
-  const double damping_per_s = plan.damper_per_s >= 0 ? plan.damper_per_s : Damper().damping_per_s;
-  HammerStringParts parts = detail::under_felt<materials::felt_c4>(*std::move(course), hammer_kg, {damping_per_s});
-  parts.resonator.max_outputs = StringOutput::kOutputs;
-  return std::make_unique<PlayableBehind<HammerStringInstrument<float>, kBridge>>(std::move(parts));
-}
-
-template <template <typename> typename I>
-Maker maker_of_file() {
-  return [](const VoicePlan& plan) -> std::unique_ptr<Playable> {
-    if (plan.is_plain()) return std::make_unique<PlayableBehind<I<float>>>();
-    if (plan.string >= 0) return nullptr;
-    return std::make_unique<PlayableBehind<TunedNetwork>>(I<float>::data::view(), plan.cents);
-  };
-}
-
-Bytes own;   // packed instrument of the page's user
-Bytes sent;  // packed instrument for the studies
-
-std::unique_ptr<Playable> own_instrument(const VoicePlan& plan) {
-  if (!plan.is_plain()) return nullptr;
-  if (UnpackedInstrument(own).data().keyed.ranges.empty())
-    return std::make_unique<PlayableBehind<OfBytes<NetworkInstrument<float>>>>(own);
-  return std::make_unique<PlayableBehind<OfBytes<Voices<NetworkInstrument<float>>>>>(own);
-}
-
-// The user's own, where there is one, is the last.
-std::vector<Maker>& instruments() {
-  static std::vector<Maker> all = [] {
-    constexpr std::size_t kForce = 1;
-    std::vector<Maker> makers = {maker<HammerKeys>(material),
-                                 maker<KeyboardInstrument<Piano, float>>(),
-                                 maker<MassBarrierOf<materials::felt_c4, float>, kForce>(),
-                                 maker_of_plucked<SlideGuitar<float>, SlideStringInstrument<float>>(),
-                                 maker_of_plucked<FretGuitar<float>, FretStringInstrument<float>>(),
-                                 dulcimer};
-    each_instrument_of_a_file([&]<template <typename> typename I>() { makers.push_back(maker_of_file<I>()); });
-    return makers;
-  }();
-  return all;
-}
-
-// The instruments of files that ship are the last ones before the user's own.
-using Pack = Bytes (*)();
-const std::vector<Pack>& packs() {
-  static const std::vector<Pack> all = [] {
-    std::vector<Pack> packs;
-    each_instrument_of_a_file(
-        [&]<template <typename> typename I>() { packs.push_back([] { return packed(I<float>::data::view()); }); });
-    return packs;
-  }();
-  return all;
-}
-
-std::unique_ptr<Playable> instrument(int number, const VoicePlan& plan = {}) {
-  if (number < 0 || number >= static_cast<int>(instruments().size())) return nullptr;
-  return instruments()[static_cast<std::size_t>(number)](plan);
+// Null where there is none of this number.
+std::unique_ptr<Playable> instrument(std::size_t number) {
+  if (number >= instrument_count()) return nullptr;
+  const std::size_t file = number - kModels;
+  PageInstrument made = number < kModels       ? model_of(number, material)
+                        : file < kFiles.size() ? instrument_of(kFiles[file]())
+                                               : instrument_of(own);
+  return std::make_unique<Playable>(std::move(made), oversampling);
 }
 
 // Calls use() with the voice of this number, or with the first; not where none was chosen.
@@ -196,21 +100,13 @@ void process(Playable& played, std::span<float> out, std::size_t count) {
 /// The instruments, as a JSON list (playable.hpp). Their numbers are their places in it.
 CONTACTSPLINE_WEB(const char*, engine_instruments) {
   std::vector<std::string> all;
-  for (const Maker& make : instruments()) all.push_back(make({})->described());
+  for (std::size_t number = 0; number < instrument_count(); ++number) all.push_back(instrument(number)->described());
   return keep(fmt::format("[{}]", fmt::join(all, ", ")));
-}
-
-/// The names of the strings that a voice may have, as a JSON list. Their numbers are their places in it.
-CONTACTSPLINE_WEB(const char*, engine_strings) {
-  std::vector<std::string> names;
-  for (const NamedString& string : kStrings) names.push_back(quoted(string.name));
-  return keep(fmt::format("[{}]", fmt::join(names, ", ")));
 }
 
 /// Where the page writes so many bytes of an instrument of its user's: packed by the generator's module, the last of
 /// the instruments from now on. What plays already stays.
 CONTACTSPLINE_WEB(std::byte*, engine_own_instrument, int bytes) {
-  if (own.empty()) instruments().emplace_back(own_instrument);
   own.resize(static_cast<std::size_t>(std::max(bytes, 1)));
   return own.data();
 }
@@ -218,9 +114,8 @@ CONTACTSPLINE_WEB(std::byte*, engine_own_instrument, int bytes) {
 /// Packs the instrument of a file that ships, as the studies take it; then engine_packed() says where. Returns the
 /// number of bytes, 0 of another instrument.
 CONTACTSPLINE_WEB(int, engine_pack, int number) {
-  const std::size_t first = instruments().size() - packs().size() - (own.empty() ? 0 : 1);
-  const std::size_t file = static_cast<std::size_t>(std::max(number, 0)) - first;
-  sent = number >= 0 && file < packs().size() ? packs()[file]() : Bytes();
+  const std::size_t file = static_cast<std::size_t>(number) - kModels;
+  sent = file < kFiles.size() ? packed(kFiles[file]()) : Bytes();
   return static_cast<int>(sent.size());
 }
 CONTACTSPLINE_WEB(const std::byte*, engine_packed) {
@@ -236,9 +131,9 @@ CONTACTSPLINE_WEB(int, engine_latency, int factor) {
 /// none of this number. Allocates.
 CONTACTSPLINE_WEB(int, engine_choose, int number, double sample_rate_hz, int factor) {
   oversampling = factor;
-  auto next = instrument(number);
+  auto next = instrument(static_cast<std::size_t>(number));
   if (!next) return 0;
-  next->prepare(sample_rate_hz);
+  next->hosted().prepare(sample_rate_hz);
   voices.clear();
   voices.push_back({std::move(next), 1, 1, true});
   chosen = static_cast<std::size_t>(number);
@@ -249,25 +144,26 @@ CONTACTSPLINE_WEB(int, engine_choose, int number, double sample_rate_hz, int fac
 }
 
 /// Lets the user's own instrument take the place of the one that plays, while it sounds, in all voices. 0 if there
-/// is none, or one of them computes in double precision. Allocates.
+/// is none. Allocates.
 CONTACTSPLINE_WEB(int, engine_replace) {
   if (own.empty() || voices.empty()) return 0;
-  const bool has_keys = !UnpackedInstrument(own).data().keyed.ranges.empty();
-  bool all = true;
-  for (const Voice& each : voices)
-    all &= each.instrument->replace(has_keys ? handle_of<OfBytes<Voices<NetworkInstrument<float>>>>(own)
-                                             : handle_of<OfBytes<NetworkInstrument<float>>>(own),
-                                    chosen_rate_hz);
-  return all;
+  for (const Voice& each : voices) each.instrument->replace(instrument_of(own).handle, chosen_rate_hz);
+  return 1;
 }
 
-/// Adds a voice: the same instrument once more, with its strings tuned by so many cents, or with one of
-/// engine_strings(), -1 for none, and what plays it. 0 if the instrument cannot have it. Allocates.
-CONTACTSPLINE_WEB(int, engine_add_voice, double cents, int string, double pluck_m, double height_m,
-                  double hammer_mass_kg, double damper_per_s) {
-  auto next = instrument(static_cast<int>(chosen), {cents, string, pluck_m, height_m, hammer_mass_kg, damper_per_s});
-  if (!next) return 0;
-  next->prepare(chosen_rate_hz);
+/// Where the page writes so many bytes of a packed instrument, which the next voice plays.
+CONTACTSPLINE_WEB(std::byte*, engine_voice_instrument, int bytes) {
+  of_voice.resize(static_cast<std::size_t>(std::max(bytes, 1)));
+  return of_voice.data();
+}
+
+/// Adds a voice: the packed instrument, or where none was written the chosen one once more. 0 if none was chosen.
+/// Allocates.
+CONTACTSPLINE_WEB(int, engine_add_voice) {
+  if (voices.empty()) return 0;
+  auto next = of_voice.empty() ? instrument(chosen)
+                               : std::make_unique<Playable>(instrument_of(std::exchange(of_voice, {})), oversampling);
+  next->hosted().prepare(chosen_rate_hz);
   if (voices.size() == 1) voices[0].is_played = false;
   voices.push_back({std::move(next), 1, 1, true});
   return 1;
@@ -276,9 +172,9 @@ CONTACTSPLINE_WEB(int, engine_add_voice, double cents, int string, double pluck_
 /// Adds another instrument, `level` times as loud as its file says, as a voice that plays beside the first one. 0 if
 /// there is none of this number. Allocates.
 CONTACTSPLINE_WEB(int, engine_add_part, int number, double level) {
-  auto next = instrument(number);
+  auto next = instrument(static_cast<std::size_t>(number));
   if (!next || voices.empty()) return 0;
-  next->prepare(chosen_rate_hz);
+  next->hosted().prepare(chosen_rate_hz);
   const auto side = static_cast<float>(level);
   voices.push_back({std::move(next), side, side, true, true});
   return 1;
@@ -298,7 +194,6 @@ CONTACTSPLINE_WEB(void, engine_restart) {
   voices.clear();
   oversampling = 1;
   material = Material{};
-  if (!own.empty()) instruments().pop_back();
   own.clear();
 }
 
@@ -315,7 +210,8 @@ CONTACTSPLINE_WEB(int, engine_use_material, int segments, int memories, double m
 
 /// Below, a voice is called by its number: 0 is the instrument itself, then those that were added.
 CONTACTSPLINE_WEB(void, engine_set, int number, int parameter, double value) {
-  with_voice(number, [&](Voice& voice) { voice.instrument->set(static_cast<std::size_t>(parameter), value); });
+  with_voice(number,
+             [&](Voice& voice) { voice.instrument->hosted().set(static_cast<std::size_t>(parameter), value); });
 }
 
 CONTACTSPLINE_WEB(void, engine_note_on, int number, int key, double velocity) {
@@ -344,7 +240,7 @@ CONTACTSPLINE_WEB(void, engine_midi, int number, int count) {
   const auto bytes =
       std::span(midi_bytes).first(std::min<std::size_t>(static_cast<std::size_t>(count), midi_bytes.size()));
   if (number < 1) return take_midi(bytes);
-  with_voice(number, [&](Voice& voice) { voice.instrument->midi(bytes); });
+  with_voice(number, [&](Voice& voice) { voice.instrument->hosted().midi(bytes); });
 }
 
 /// Where the page writes the cents of the 128 keys of MIDI.
@@ -354,7 +250,7 @@ CONTACTSPLINE_WEB(double*, engine_key_cents) {
 
 /// Tunes the keys of all voices by them, from the next notes on.
 CONTACTSPLINE_WEB(void, engine_tune) {
-  for (const Voice& each : voices) each.instrument->tune(key_cents);
+  for (const Voice& each : voices) each.instrument->hosted().tune(key_cents);
 }
 
 /// Lets all keys and pedals of MIDI go, and brings wheels to their centre.
@@ -423,12 +319,12 @@ CONTACTSPLINE_WEB(double, engine_energy) {
   return energy;
 }
 
-/// The books of the last strike: hammer, felt, string, dissipated, work [J]. Null where none are kept.
+/// Energies of the last strike: hammer, felt, string, dissipated, work [J]. Null where none are kept.
 CONTACTSPLINE_WEB(const double*, engine_books) {
-  const Books* const books = voices.empty() ? nullptr : voices.front().instrument->books();
-  if (books == nullptr) return nullptr;
-  shown_books = {books->hammer, books->felt, books->string, books->dissipated, books->work};
-  return shown_books.data();
+  const StrikeEnergies* const last = voices.empty() ? nullptr : voices.front().instrument->strike_energies();
+  if (last == nullptr) return nullptr;
+  shown_energies = {last->hammer, last->felt, last->string, last->dissipated, last->work};
+  return shown_energies.data();
 }
 
 }  // namespace contactspline::web

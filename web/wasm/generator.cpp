@@ -38,7 +38,7 @@ using Json = nlohmann::ordered_json;
 std::map<std::string, std::string> files;  // what the page was given, by name
 
 Bytes instrument_bytes;  // of the last instrument, and what is drawn of it
-Bytes drawn_bytes;       // of the last instrument that ships
+Bytes packed_bytes;      // of the last instrument that ships
 
 std::string read_file(const std::string& path) {
   const auto given = files.find(path);
@@ -169,6 +169,16 @@ const char* answer(const Make& make) {
   }
 }
 
+// Keeps what make() packs of an instrument that ships; nothing of another one. Returns the number of bytes.
+template <typename Make>
+int pack(const char* name, const Make& make) {
+  const EmbeddedFile* const found = find_embedded(Shipped::kInstruments, std::string(name) + ".json");
+  packed_bytes = found == nullptr
+                     ? Bytes()
+                     : make(parse_instrument(std::string(found->content), std::string(found->name), read_file));
+  return static_cast<int>(packed_bytes.size());
+}
+
 // The files of a kind that ship, as a JSON object: text by name.
 const char* texts_of(Shipped kind) {
   Json texts = Json::object();
@@ -234,17 +244,20 @@ CONTACTSPLINE_WEB(int, contactspline_instrument_size) {
 }
 
 /// Packs what is drawn of an instrument that ships, with its modes below half of a sample rate; then
-/// contactspline_drawn_bytes() says where. Returns the number of bytes. The page frees `name`.
+/// contactspline_packed() says where. Returns the number of bytes. The page frees `name`.
 CONTACTSPLINE_WEB(int, contactspline_drawn, const char* name, double sample_rate_hz) {
-  const std::string file = std::string(name) + ".json";
-  const EmbeddedFile* const found = find_embedded(Shipped::kInstruments, file);
-  drawn_bytes = {};
-  if (found != nullptr)
-    drawn_bytes = packed_drawing(parse_instrument(std::string(found->content), file, read_file), sample_rate_hz / 2);
-  return static_cast<int>(drawn_bytes.size());
+  return pack(name, [&](const InstrumentModel& model) { return packed_drawing(model, sample_rate_hz / 2); });
 }
-CONTACTSPLINE_WEB(const std::byte*, contactspline_drawn_bytes) {
-  return drawn_bytes.data();
+
+/// Packs an instrument that ships, its strings tuned by so many cents, likewise.
+CONTACTSPLINE_WEB(int, contactspline_tuned, const char* name, double cents, double sample_rate_hz) {
+  return pack(name, [&](InstrumentModel model) {
+    tune(model, cents);
+    return packed(arrays_of(model, sample_rate_hz / 2).view());
+  });
+}
+CONTACTSPLINE_WEB(const std::byte*, contactspline_packed) {
+  return packed_bytes.data();
 }
 
 /// Reads so many bytes of a MIDI file. chosen: a bit for each channel, the lowest for channel 1; none: as `render`

@@ -237,7 +237,6 @@ class HammerKeys : public HammerKeysParameter, public ParameterValues<float, Ham
  public:
   using value_type = float;
   static constexpr std::size_t kMaxSounding = 32;
-  static constexpr bool takes_material = true;  ///< of the page
 
   explicit HammerKeys(const Material& material) : Values(kList), material_(material) {}
 
@@ -246,7 +245,7 @@ class HammerKeys : public HammerKeysParameter, public ParameterValues<float, Ham
   static std::span<const Event> events() { return {}; }
   static std::span<const Output> outputs() { return kOutputs; }
   static std::span<const Preset> presets() { return {}; }
-  static int first_key() { return Piano::first_key; }
+  static bool has_key(int key) { return is_key(key); }
 
   void prepare(double sample_rate_hz) {
     sample_rate_hz_ = sample_rate_hz;
@@ -321,7 +320,7 @@ class HammerKeys : public HammerKeysParameter, public ParameterValues<float, Ham
   }
 
   /// Of the key that was struck last.
-  [[nodiscard]] const Books& books() const { return books_.books(); }
+  [[nodiscard]] const StrikeEnergies& books() const { return books_.books(); }
   /// From now on all keys are played by the kernels.
   void watch_none() { watched_ = nullptr; }
   [[nodiscard]] std::array<double, kParameters> values() const {

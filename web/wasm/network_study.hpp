@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Slow motion of the instruments that files describe, and of strings with a slide or a fret: their strings, what is
-// thrown at them and what they touch.
+// Slow motion of the instruments that files describe: their strings, what is thrown at them and what they touch.
 #pragma once
 
 #include <fmt/format.h>
@@ -55,12 +54,6 @@ class NetworkGeometry {
 };
 
 namespace detail {
-
-inline ModeShapes<double> sines(std::size_t modes, double angle) {
-  ModeShapes<double> shapes(modes);
-  for (std::size_t n = 0; n < modes; ++n) shapes[n] = std::sin(static_cast<double>(n + 1) * angle);
-  return shapes;
-}
 
 /// Energies of a network of so many bodies from a note on [J].
 struct NetworkBooks {
@@ -355,39 +348,6 @@ inline Study study_of_network(const InstrumentData& data, const DrawnInstrument&
     books.follow(instrument);
   }
   study.scene = frames.scene(books.work);
-  return study;
-}
-
-/// A plucked string with a slide or a fret. I: of PluckedStringInstrument<double>. pluck: part of the length. values:
-/// of its parameters.
-template <typename I>
-Study study_of_plucked(I& instrument, double length_m, double pluck, std::span<const double> values,
-                       const StudyPlan& plan) {
-  for (std::size_t p = 0; p < values.size(); ++p) instrument.set(p, values[p]);
-  instrument.prepare(plan.sample_rate_hz);
-  const auto& model = instrument.model();
-  constexpr bool kSlides = requires {
-    model.slide();
-  };
-  const std::size_t modes = model.string().size();
-  std::vector<ModeShapes<double>> points;
-  for (std::size_t p = 0; p < kPoints; ++p)
-    points.push_back(detail::sines(modes, std::numbers::pi * static_cast<double>(p) / (kPoints - 1)));
-  instrument.pluck(0, values[I::kPluck]);
-  Study study;
-  std::vector<double> force(1);
-  for (std::size_t i = 0; i < plan.frames; ++i) {
-    const double place = model.place();
-    const double at_contact = model.string().displacement(detail::sines(modes, std::numbers::pi * place / length_m));
-    const double height = kSlides ? at_contact + model.compression() : at_contact - model.compression();
-    study.numbers.insert(study.numbers.end(), {model.force(), place / length_m, height});
-    for (const auto& point : points) study.numbers.push_back(model.string().displacement(point));
-    instrument.process({}, force);
-  }
-  study.scene = fmt::format(
-      R"({{"throws": {}, "moves": null, "plucks": {{"at": {:.17g}, "column": 3}}, "force": 0, "energies": [], "isFlipped": true, )"
-      R"("items": [{}{{"kind": "stop", "name": "{}", "atColumn": 1, "column": 2, "side": {}, "force": 0}}]}})",
-      std::size_t{I::kPluck}, pluck, detail::string_item(3), kSlides ? "slide" : "fret", kSlides ? -1 : 1);
   return study;
 }
 

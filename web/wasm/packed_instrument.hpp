@@ -141,11 +141,4 @@ class UnpackedInstrument {
   std::span<std::byte> rest_;
 };
 
-/// I, a class that plays InstrumentData, with the bytes of it.
-template <typename I>
-class OfBytes : private UnpackedInstrument, public I {
- public:
-  explicit OfBytes(Bytes bytes) : UnpackedInstrument(std::move(bytes)), I(UnpackedInstrument::data()) {}
-};
-
 }  // namespace contactspline::web

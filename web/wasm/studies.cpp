@@ -11,8 +11,9 @@
 #include <string_view>
 #include <vector>
 
+#include "generated/felt_c4.hpp"
 #include "web/wasm/door.hpp"
-#include "web/wasm/instruments.hpp"
+#include "web/wasm/hammer_keys.hpp"
 #include "web/wasm/network_study.hpp"
 #include "web/wasm/packed_instrument.hpp"
 #include "web/wasm/study.hpp"
@@ -34,39 +35,24 @@ struct Studied {
   std::function<Study(const StudyPlan&, std::size_t event)> play;
 };
 
-template <template <typename> typename I, typename String>
-Study of_plucked(const StudyPlan& plan, std::size_t) {
-  I<double> instrument;
-  const double length_m = std::numbers::pi / String::wavenumbers[0];
-  return study_of_plucked(instrument, length_m, String::strike_position_m / length_m, values, plan);
-}
-
 std::vector<Studied> all_studied() {
-  std::vector<Studied> all = {
-      {HammerKeys::name(), kBlow_s,
-       [](const StudyPlan& plan, std::size_t) { return study_of_key(material, values, plan); }},
-      {Piano::name, kBlow_s, [](const StudyPlan& plan, std::size_t) { return study_of_piano(values, plan); }},
-      {"mass_barrier", kBlow_s,
-       [](const StudyPlan& plan, std::size_t) {
-         return study_of_mass(segments_of<materials::felt_c4, double>, {}, values, plan);
-       }},
-      {"mass_at_material", kBlow_s,  // of the page, for its story
-       [](const StudyPlan& plan, std::size_t) {
-         return study_of_mass(material.table<double>(), material.memories, values, plan);
-       }},
-      {"dulcimer", kBlow_s,
-       [](const StudyPlan& plan, std::size_t) {
-         return study_of_course<materials::felt_c4, resonators::dulcimer_g4>(values, plan);
-       }},
-      {"slide_string", kPluck_s, of_plucked<SlideGuitar, resonators::guitar_g3>},
-      {"fret_string", kPluck_s, of_plucked<FretGuitar, resonators::guitar_d3>}};
-  all.push_back({"of_file", kPluck_s, [](const StudyPlan& plan, std::size_t event) {
-                   if (of_file.empty()) return Study{};
-                   const UnpackedInstrument file(of_file);
-                   if (file.rest().empty()) return Study{};
-                   return study_of_network(file.data(), unpacked_drawn(file.rest().data()), values, event, plan);
-                 }});
-  return all;
+  return {{HammerKeys::name(), kBlow_s,
+           [](const StudyPlan& plan, std::size_t) { return study_of_key(material, values, plan); }},
+          {Piano::name, kBlow_s, [](const StudyPlan& plan, std::size_t) { return study_of_piano(values, plan); }},
+          {"mass_barrier", kBlow_s,
+           [](const StudyPlan& plan, std::size_t) {
+             return study_of_mass(segments_of<materials::felt_c4, double>, {}, values, plan);
+           }},
+          {"mass_at_material", kBlow_s,  // of the page, for its story
+           [](const StudyPlan& plan, std::size_t) {
+             return study_of_mass(material.table<double>(), material.memories, values, plan);
+           }},
+          {"of_file", kPluck_s, [](const StudyPlan& plan, std::size_t event) {
+             if (of_file.empty()) return Study{};
+             const UnpackedInstrument file(of_file);
+             if (file.rest().empty()) return Study{};
+             return study_of_network(file.data(), unpacked_drawn(file.rest().data()), values, event, plan);
+           }}};
 }
 
 }  // namespace

@@ -56,7 +56,7 @@ inline constexpr std::size_t kHammerHead = 10;
 
 struct HammerFrame {
   double place_m, compression_m, force_n;
-  Books books;
+  StrikeEnergies books;
   double board_j = 0, board_m = 0;
 
   void append_to(std::vector<double>& numbers) const {
@@ -81,7 +81,6 @@ struct StruckStrings {
   std::function<ModeShapes<double>(double position)> shapes_at;  ///< at a part of the length, under the hammer
   HammerStringControls<double> controls;
   double position, speed_m_per_s;  ///< position: part of the length
-  std::size_t count = 1;           ///< of strings that are drawn
 };
 
 /// throws, moves: as in kHammerScene.
@@ -108,7 +107,7 @@ inline Study study_of_strings(const StruckStrings& struck, std::string_view thro
   }
   study.scene =
       fmt::format(detail::kHammerScene, throws, moves, books.books().work, "hammer", "felt", R"(, ["string", 5])",
-                  detail::string_item(detail::kHammerHead, struck.count), "hammer", struck.position);
+                  detail::string_item(detail::kHammerHead), "hammer", struck.position);
   return study;
 }
 
@@ -128,29 +127,6 @@ inline Study study_of_key(const Material& material, std::span<const double> valu
                           std::to_string(P::kSpeed), std::to_string(P::kPosition), plan);
 }
 
-/// A hammer of an emitted felt on an emitted string or course. values: of HammerStringParameter.
-template <typename Felt, typename String>
-Study study_of_course(std::span<const double> values, const StudyPlan& plan) {
-  using P = HammerStringParameter;
-  const ResonatorParts parts = string_parts<String>();
-  const auto shapes_at = [&](double position) {
-    std::vector<double> shapes(parts.modes.size());
-    parts.strike_shapes(position * parts.length_m, shapes);
-    return ModeShapes<double>(std::span<const double>(shapes));
-  };
-  return study_of_strings({.felt = segments_of<Felt, double>,
-                           .memories = memories_of<Felt>,
-                           .modes = parts.modes,
-                           .shapes_at = shapes_at,
-                           .controls = {.hammer_mass_kg = values[P::kHammerMass],
-                                        .felt = {values[P::kStiffnessRatio], values[P::kLoss]},
-                                        .damping_per_s = values[P::kDamping]},
-                           .position = values[P::kPlace] / parts.length_m,
-                           .speed_m_per_s = values[P::kSpeed] * plan.velocity,
-                           .count = parts.string->detuning_cents.size()},
-                          std::to_string(P::kSpeed), "null", plan);
-}
-
 /// A mass at a barrier of a material with these memories. values: of MassBarrierParameter.
 inline Study study_of_mass(std::span<const Segment<double>> table, std::span<const Memory> memories,
                            std::span<const double> values, const StudyPlan& plan) {
@@ -161,7 +137,7 @@ inline Study study_of_mass(std::span<const Segment<double>> table, std::span<con
   const double mass_kg = values[P::kMass], gravity = values[P::kGravity];
   model.throw_from(std::max(values[P::kStart], -1e-4), values[P::kSpeed]);
   Study study;
-  Books books;
+  StrikeEnergies books;
   const auto store = [&] {
     books.hammer = mass_kg * (model.velocity() * model.velocity() / 2 - gravity * model.displacement());
     books.felt = controls.stiffness_ratio * model.memory().energy(contact, model.displacement());
@@ -219,7 +195,7 @@ class PianoString {
 };
 
 /// The books of so many strings that do the same, with what their board lost beside.
-inline Books times(Books books, double count, double lost_j) {
+inline StrikeEnergies times(StrikeEnergies books, double count, double lost_j) {
   for (double* const energy : {&books.hammer, &books.felt, &books.string, &books.dissipated, &books.work})
     *energy *= count;
   books.dissipated += lost_j;
@@ -255,7 +231,7 @@ inline Study study_of_piano(std::span<const double> values, const StudyPlan& pla
   double lost_j = 0;
   for (std::size_t i = 0; i < plan.frames; ++i) {
     const double compression = model.compression(), board_m = board.displacement();
-    const Books all = detail::times(books.books(), count, lost_j);
+    const StrikeEnergies all = detail::times(books.books(), count, lost_j);
     detail::HammerFrame{model.string().displacement(strike) + compression,
                         compression,
                         count * model.force(),

@@ -24,9 +24,7 @@ export function writeInstrument(exports, room, bytes) {
 export function startEngine(module, sampleRate = 44100) {
   const exports = startModule(module);
   return {
-    /** The names of the strings that a voice may have. */
-    strings: () => JSON.parse(textAt(exports, exports.engine_strings())),
-    /** What each instrument is called, plays and has to set: web/wasm/playable.hpp, description_of. */
+    /** What each instrument is called, plays and has to set: web/wasm/playable.hpp, described(). */
     instruments: () => JSON.parse(textAt(exports, exports.engine_instruments())),
     /** Makes the instrument of a user's file the last one of all. */
     takeInstrument: (bytes) => writeInstrument(exports, exports.engine_own_instrument, bytes),
@@ -41,11 +39,11 @@ export function startEngine(module, sampleRate = 44100) {
     choose: (number, rate = sampleRate, oversample = 1) => exports.engine_choose(number, rate, oversample) === 1,
     /** Lets the instrument of a user's file take the place of the one that plays, while it sounds. */
     replace: () => exports.engine_replace() === 1,
-    /** Adds a voice: the instrument once more, its strings tuned by so many cents, or with the one of this number in
-     * strings(), plucked at pluck_m, over which a slide rests at height_m, or struck by a hammer, with a damper: the dulcimer's
-     * where they are not given. Returns whether it can be. */
-    addVoice: ({ cents = 0, string = -1, pluck_m = 0, height_m = 0, hammer_mass_kg = NaN, damper_per_s = NaN }) =>
-      exports.engine_add_voice(cents, string, pluck_m, height_m, hammer_mass_kg, damper_per_s) === 1,
+    /** Adds a voice: the instrument once more, or that of `bytes` (generator.js). Returns whether it can be. */
+    addVoice({ bytes } = {}) {
+      if (bytes) writeInstrument(exports, exports.engine_voice_instrument, bytes);
+      return exports.engine_add_voice() === 1;
+    },
     /** Adds another instrument as a voice, so many times as loud as its file says. Returns whether there is one. */
     addPart: (number, level = 1) => exports.engine_add_part(number, level) === 1,
     /** Moves a voice between -1, left, and 1, right. */

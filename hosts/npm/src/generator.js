@@ -13,6 +13,7 @@ function answered(exports, address) {
 /** The generator, from generator.wasm compiled or as bytes. */
 export function startGenerator(module) {
   const exports = startModule(module);
+  const packedBytes = (size) => new Uint8Array(exports.memory.buffer, exports.contactspline_packed(), size).slice();
   return {
     /** The text of every material that ships, by name. */
     materials: () => JSON.parse(textAt(exports, exports.contactspline_materials())),
@@ -47,10 +48,10 @@ export function startGenerator(module) {
     },
 
     /** The bytes of what is drawn of an instrument that ships, for the studies: they follow those of engine.packed(). */
-    drawn(name, sampleRate) {
-      const size = withTexts(exports, [name], (at) => exports.contactspline_drawn(at, sampleRate));
-      return new Uint8Array(exports.memory.buffer, exports.contactspline_drawn_bytes(), size).slice();
-    },
+    drawn: (name, sampleRate) => packedBytes(withTexts(exports, [name], (at) => exports.contactspline_drawn(at, sampleRate))),
+
+    /** The bytes of an instrument that ships, its strings tuned by so many cents. */
+    tuned: (name, cents, sampleRate) => packedBytes(withTexts(exports, [name], (at) => exports.contactspline_tuned(at, cents, sampleRate))),
 
     /** Reads a MIDI file, given as a Uint8Array: { title, remarks, end, channels, unchosen, messages: [{ time, bytes }] }
      * (web/wasm/generator.cpp), in seconds. channels: those to read, 1 to 16; instruments: midi_parts.js. Throws bad input. */
