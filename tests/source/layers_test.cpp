@@ -113,6 +113,20 @@ TEST(LayersOfTheTree, CircleIsFoundWhereThereIsOne) {
   EXPECT_EQ(circle_in({{"a", {"b"}}, {"b", {"a", "c"}}, {"c", {}}, {"d", {"a"}}}), (std::set<std::string>{"a", "b"}));
 }
 
+// What a file of a room of the house names in an #include or an import: files of rooms below, or of its own.
+TEST(LayersOfTheHouse, ArrowsRunOnlyDownwards) {
+  const std::map<std::string, int> levels{{"runtime", 1}, {"generator", 2}, {"hosts", 3}, {"web", 4}};
+  std::size_t arrows = 0;
+  for (const auto& [room, level] : levels)
+    for (const SourceFile& file : source_files({room}, {".cpp", ".hpp", ".js", ".mjs", ".ts"}))
+      for (const std::string& named :
+           matches(file.text, R"((?:#include|from|import) "(?:[^"]*/)?(runtime|generator|hosts|web)/[^"]*")")) {
+        EXPECT_LE(levels.at(named), level) << file.path << " names a file of " << named;
+        ++arrows;
+      }
+  EXPECT_GT(arrows, 500u);
+}
+
 class Layers : public ::testing::TestWithParam<Tree> {};
 
 TEST_P(Layers, EveryFileLiesInAFolderWithALevel) {

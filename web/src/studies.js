@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Single notes from rest in double precision, sample by sample (web/wasm/studies.cpp).
+// Single notes from rest in double precision, sample by sample (hosts/wasm/studies.cpp).
 import { writeInstrument, writeMaterial } from "../../hosts/npm/src/engine.js";
 import { startModule, textAt, withTexts } from "../../hosts/npm/src/wasm_module.js";
 
@@ -36,7 +36,7 @@ export function startStudies(module, sampleRate) {
   return {
     useMaterial: (design) => writeMaterial(exports, exports.studies_rows, exports.studies_use_material, design),
     /** A note of an instrument with these values of its parameters. bytes: the instrument itself, of a file. Returns null, or `size` numbers for each of `frames`, their
-     * scene (web/wasm/study.hpp), and what of it is in view. */
+     * scene (hosts/wasm/study.hpp), and what of it is in view. */
     play(instrument, values, { key, velocity, event }, { bytes, rate = sampleRate } = {}) {
       if (bytes) writeInstrument(exports, exports.studies_file_instrument, bytes);
       new Float64Array(exports.memory.buffer, exports.studies_values(values.length), values.length).set(values);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The instruments by the C++ runtime in WebAssembly (web/wasm/engine.cpp).
+// The instruments by the C++ runtime in WebAssembly (hosts/wasm/engine.cpp).
 import { kMaxMemories, kMaxSegments } from "./messages.js";
 import { startModule, textAt } from "./wasm_module.js";
 
@@ -24,7 +24,7 @@ export function writeInstrument(exports, room, bytes) {
 export function startEngine(module, sampleRate = 44100) {
   const exports = startModule(module);
   return {
-    /** What each instrument is called, plays and has to set: web/wasm/playable.hpp, described(). */
+    /** What each instrument is called, plays and has to set: hosts/wasm/playable.hpp, described(). */
     instruments: () => JSON.parse(textAt(exports, exports.engine_instruments())),
     /** Makes the instrument of a user's file the last one of all. */
     takeInstrument: (bytes) => writeInstrument(exports, exports.engine_own_instrument, bytes),

@@ -46,7 +46,7 @@ const describer = async () => (describing ??= startEngine(await moduleOf(kFiles.
 
 let shipped = null;
 
-/** The descriptions of all instruments that ship (web/wasm/playable.hpp). */
+/** The descriptions of all instruments that ship (hosts/wasm/playable.hpp). */
 export const instruments = async () => (shipped ??= (await describer()).instruments());
 
 /** What an engine takes of { text, file } of an instrument file. Throws bad input. */

@@ -24,14 +24,14 @@ export function startGenerator(module) {
     /** The text of a fit file for data files that it was given, of impacts of this mass [kg]. Throws bad input. */
     fitFile: (names, mass) => answered(exports, withTexts(exports, [Array.isArray(names) ? names.join("\n") : names], (at) => exports.contactspline_fit_file(at, mass))).text,
 
-    /** Fits a material as a fit file says: { material: the text of its file, report, panels } (web/wasm/generator.cpp). Throws bad
+    /** Fits a material as a fit file says: { material: the text of its file, report, panels } (hosts/wasm/generator.cpp). Throws bad
      * input. */
     fit: (text, file) => answered(exports, withTexts(exports, [text, file], (...at) => exports.contactspline_fit(...at))),
 
     /** The text of every instrument file that ships, by name. */
     instruments: () => JSON.parse(textAt(exports, exports.contactspline_instruments())),
 
-    /** Reads an instrument file: { name, title, parts, drawing } (web/wasm/generator.cpp) and the bytes that engine and studies
+    /** Reads an instrument file: { name, title, parts, drawing } (hosts/wasm/generator.cpp) and the bytes that engine and studies
      * take at this rate; or { error }. width: of the drawing, in points of the screen. */
     instrument(text, file, options) {
       const { width = 640, sampleRate = 44100 } = options ?? {};
@@ -54,7 +54,7 @@ export function startGenerator(module) {
     tuned: (name, cents, sampleRate) => packedBytes(withTexts(exports, [name], (at) => exports.contactspline_tuned(at, cents, sampleRate))),
 
     /** Reads a MIDI file, given as a Uint8Array: { title, remarks, end, channels, unchosen, messages: [{ time, bytes }] }
-     * (web/wasm/generator.cpp), in seconds. channels: those to read, 1 to 16; instruments: midi_parts.js. Throws bad input. */
+     * (hosts/wasm/generator.cpp), in seconds. channels: those to read, 1 to 16; instruments: midi_parts.js. Throws bad input. */
     readMidi(bytes, file, { channels = [], instruments } = {}) {
       if (!(bytes instanceof Uint8Array)) throw new Error(`contactspline: ${String(file)}: is no MIDI file; allowed: its bytes as a Uint8Array`);
       const read = (chosen) => {
@@ -72,7 +72,7 @@ export function startGenerator(module) {
       return Float64Array.from(cents, (value) => value ?? NaN);
     },
 
-    /** Designs a material: its emitted files by name, table, curve and errors (web/wasm/generator.cpp). Throws bad input. */
+    /** Designs a material: its emitted files by name, table, curve and errors (hosts/wasm/generator.cpp). Throws bad input. */
     design: (text, file) => answered(exports, withTexts(exports, [text, file], (...at) => exports.contactspline_generate(...at))),
   };
 }

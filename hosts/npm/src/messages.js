@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The messages that play an instrument: the functions that send them, and what an engine does with them.
 
-/** Of a material: web/wasm/hammer_keys.hpp. */
+/** Of a material: hosts/wasm/hammer_keys.hpp. */
 export const kMaxSegments = 128;
 export const kMaxMemories = 4;
 const kMidiKeys = 128;

@@ -13,11 +13,11 @@
 #include "contactspline/host/oversampled.hpp"
 #include "contactspline/midi/key_tuning.hpp"
 #include "contactspline/midi/midi_interpreter.hpp"
-#include "web/wasm/door.hpp"
-#include "web/wasm/hammer_keys.hpp"
-#include "web/wasm/instruments.hpp"
-#include "web/wasm/packed_instrument.hpp"
-#include "web/wasm/playable.hpp"
+#include "hosts/wasm/door.hpp"
+#include "hosts/wasm/hammer_keys.hpp"
+#include "hosts/wasm/instruments.hpp"
+#include "hosts/wasm/packed_instrument.hpp"
+#include "hosts/wasm/playable.hpp"
 
 namespace contactspline::web {
 namespace {

@@ -19,8 +19,8 @@
 #include "contactspline/host/hosted.hpp"
 #include "contactspline/host/oversampled.hpp"
 #include "contactspline/host/replaceable.hpp"
-#include "web/wasm/door.hpp"
-#include "web/wasm/instruments.hpp"
+#include "hosts/wasm/door.hpp"
+#include "hosts/wasm/instruments.hpp"
 
 namespace contactspline::web {
 

@@ -22,8 +22,8 @@
 #include "contactspline/modal/bend.hpp"
 #include "contactspline/models/body.hpp"
 #include "contactspline/models/hammer_string.hpp"
-#include "web/wasm/drawn_instrument.hpp"
-#include "web/wasm/hammer_keys.hpp"
+#include "hosts/wasm/drawn_instrument.hpp"
+#include "hosts/wasm/hammer_keys.hpp"
 
 namespace contactspline::web {
 

@@ -26,9 +26,9 @@
 #include "generator/spline/design.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
-#include "web/wasm/door.hpp"
-#include "web/wasm/draw_instrument.hpp"
-#include "web/wasm/packed_instrument.hpp"
+#include "hosts/wasm/door.hpp"
+#include "hosts/wasm/draw_instrument.hpp"
+#include "hosts/wasm/packed_instrument.hpp"
 
 namespace contactspline::web {
 namespace {

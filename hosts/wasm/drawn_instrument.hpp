@@ -8,7 +8,7 @@
 #include <span>
 #include <utility>
 
-#include "web/wasm/packed_instrument.hpp"
+#include "hosts/wasm/packed_instrument.hpp"
 
 namespace contactspline::web {
 

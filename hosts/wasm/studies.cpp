@@ -12,11 +12,11 @@
 #include <vector>
 
 #include "generated/felt_c4.hpp"
-#include "web/wasm/door.hpp"
-#include "web/wasm/hammer_keys.hpp"
-#include "web/wasm/network_study.hpp"
-#include "web/wasm/packed_instrument.hpp"
-#include "web/wasm/study.hpp"
+#include "hosts/wasm/door.hpp"
+#include "hosts/wasm/hammer_keys.hpp"
+#include "hosts/wasm/network_study.hpp"
+#include "hosts/wasm/packed_instrument.hpp"
+#include "hosts/wasm/study.hpp"
 
 namespace contactspline::web {
 namespace {

@@ -17,8 +17,8 @@
 
 #include "contactspline/instrument/network_instrument.hpp"
 #include "contactspline/instrument/played_by_events.hpp"
-#include "web/wasm/drawn_instrument.hpp"
-#include "web/wasm/study.hpp"
+#include "hosts/wasm/drawn_instrument.hpp"
+#include "hosts/wasm/study.hpp"
 
 namespace contactspline::web {
 

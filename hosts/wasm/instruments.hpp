@@ -30,8 +30,8 @@
 #include "generated/tom.hpp"
 #include "generated/trichord_c4.hpp"
 #include "generated/violin.hpp"
-#include "web/wasm/hammer_keys.hpp"
-#include "web/wasm/packed_instrument.hpp"
+#include "hosts/wasm/hammer_keys.hpp"
+#include "hosts/wasm/packed_instrument.hpp"
 
 namespace contactspline::web {
 

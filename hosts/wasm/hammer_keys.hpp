@@ -20,7 +20,7 @@
 #include "contactspline/models/keyboard.hpp"
 #include "generated/felt_c4.hpp"
 #include "generated/piano.hpp"
-#include "web/wasm/energy_books.hpp"
+#include "hosts/wasm/energy_books.hpp"
 
 namespace contactspline::web {
 

@@ -11,7 +11,7 @@
 
 #include "generator/instrument/instrument.hpp"
 #include "generator/resonator/resonator_reader.hpp"
-#include "web/wasm/drawn_instrument.hpp"
+#include "hosts/wasm/drawn_instrument.hpp"
 
 namespace contactspline::web {
 
