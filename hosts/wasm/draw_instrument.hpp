@@ -21,7 +21,8 @@ namespace detail {
   const auto& shaped = body.resonator.body;
   if (body.is_mass) return DrawnKind::kMass;
   if (std::holds_alternative<StiffString>(shaped)) return DrawnKind::kString;
-  if (std::holds_alternative<Bar>(shaped)) return DrawnKind::kBar;
+  if (const auto* const bar = std::get_if<Bar>(&shaped))
+    return std::ranges::count(bar->ends, BarEnd::kClamped) > 0 ? DrawnKind::kTine : DrawnKind::kBar;
   if (std::holds_alternative<Membrane>(shaped)) return DrawnKind::kMembrane;
   const auto* const plate = std::get_if<RoundPlate>(&shaped);
   if (plate == nullptr) return DrawnKind::kNothing;
@@ -54,6 +55,7 @@ namespace detail {
     case DrawnKind::kString:
       return points_along(extent_of(body.resonator.body), kStringPoints);
     case DrawnKind::kBar:
+    case DrawnKind::kTine:
       return points_along(extent_of(body.resonator.body), kBarPoints);
     default:
       return points_of_disc(extent_of(body.resonator.body), kind == DrawnKind::kFreePlate);
@@ -67,6 +69,7 @@ namespace detail {
       return kNowhere;
     case DrawnKind::kString:
     case DrawnKind::kBar:
+    case DrawnKind::kTine:
       return point.position_m / extent_of(body.resonator.body);
     default:
       return (1 + position_of(point) / extent_of(body.resonator.body)) / 2;

@@ -12,7 +12,8 @@
 
 namespace contactspline::web {
 
-enum class DrawnKind : int { kNothing, kMass, kString, kBar, kMembrane, kPlate, kFreePlate };
+/// kTine: a bar with a clamped end.
+enum class DrawnKind : int { kNothing, kMass, kString, kBar, kTine, kMembrane, kPlate, kFreePlate };
 
 /// How many of its points are drawn.
 struct DrawnBody {

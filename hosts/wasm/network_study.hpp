@@ -201,6 +201,9 @@ class NetworkFrames {
       case DrawnKind::kBar:
         curves_.push_back({"bar", b, geometry_.points(b), R"("isBar": true)"});
         return;
+      case DrawnKind::kTine:  // the others stand behind it
+        if (is_played_tine(b)) curves_.push_back({"tine", b, geometry_.points(b), R"("isBar": true)"});
+        return;
       default:
         curves_.push_back({"surface", b, geometry_.points(b),
                            fmt::format(R"("rings": {}, "isPlate": {}, "isFree": {})", kRings,
@@ -229,8 +232,13 @@ class NetworkFrames {
     curves_.push_back(std::move(mass));
   }
 
-  // A body at a string is its board, one at a bar its tube: each by the place that it is held at. Others are not
-  // seen.
+  [[nodiscard]] bool is_played_tine(std::size_t b) const {
+    return geometry_.kind(b) == DrawnKind::kTine &&
+           (event_.kind != EventKind::kPluck || geometry_.body(plucked_place()) == b);
+  }
+
+  // A body at a string or a tine is its board, one at a bar its tube: each by the place that it is held at. Others
+  // are not seen.
   void add_held(std::size_t b) {
     for (const InstrumentConnection& c : data_.connections) {
       if (c.kind != ConnectionKind::kLink && c.kind != ConnectionKind::kSpring) continue;
@@ -238,8 +246,9 @@ class NetworkFrames {
       for (const auto& [own, other] : {std::pair(c.first, c.second), std::pair(c.second, c.first)}) {
         if (geometry_.body(own) != b) continue;
         const std::size_t held_by = geometry_.body(other);
-        if (!geometry_.is_string(held_by) && geometry_.kind(held_by) != DrawnKind::kBar) continue;
-        curves_.push_back({geometry_.is_string(held_by) ? "board" : "tube",
+        const bool is_board = geometry_.is_string(held_by) || is_played_tine(held_by);
+        if (!is_board && geometry_.kind(held_by) != DrawnKind::kBar) continue;
+        curves_.push_back({is_board ? "board" : "tube",
                            b,
                            {ModeShapes<double>(data_.shapes_of(own))},
                            fmt::format(R"("at": {:.17g})", at(other))});

@@ -142,14 +142,30 @@ export function drawBridgeFoot(context, x, y, below, size) {
   context.globalAlpha = 1;
 }
 
-/** A wooden bar along points (x, y) of its upper side. */
-export function drawWoodenBar(context, points, thick) {
-  const tops = points.map(([, y]) => y);
+// The path of a bar by the points of its upper side.
+function strip(context, points, thick) {
   path(context, () => {
     for (const [x, y] of points) context.lineTo(x, y);
     for (const [x, y] of points.toReversed()) context.lineTo(x, y + thick);
     context.closePath();
   });
+}
+
+/** A strip of steel by the points of its upper side. */
+export function drawSteelStrip(context, points, thick) {
+  strip(context, points, thick);
+  const tops = points.map(([, y]) => y), top = Math.min(...tops), bottom = Math.max(...tops) + thick;
+  const shade = context.createLinearGradient(0, top, 0, bottom);
+  for (const [at, tint] of [[0, "#dedad2"], [0.5, "#a8a49c"], [1, "#6a665f"]]) shade.addColorStop(at, tint);
+  Object.assign(context, { fillStyle: shade }).fill();
+  Object.assign(context, { strokeStyle: kEdge, lineWidth: 1, globalAlpha: 0.6 }).stroke();
+  context.globalAlpha = 1;
+}
+
+/** A wooden bar along points (x, y) of its upper side. */
+export function drawWoodenBar(context, points, thick) {
+  const tops = points.map(([, y]) => y);
+  strip(context, points, thick);
   shaded(context, "wood", Math.min(...tops), Math.max(...tops) + thick);
   Object.assign(context, { strokeStyle: kEdge, lineWidth: 1, globalAlpha: 0.5 }).stroke();
   for (const part of [0.4, 0.7]) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The slow motion of one note: strings, what is thrown at them or stands in their way, where the energy is, the force.
 import { readable } from "./controls.js";
-import { drawBall, drawBolt, drawBowHair, drawBridgeFoot, drawDrumStick, drawFingertip, drawFretWire, drawHammerHead, drawMetalTube, drawPlank, drawShell, drawSteel, drawWoodenBar, kFelt, kHead } from "./parts.js";
+import { drawBall, drawBolt, drawBowHair, drawBridgeFoot, drawDrumStick, drawFingertip, drawFretWire, drawHammerHead, drawMetalTube, drawPlank, drawShell, drawSteel, drawSteelStrip, drawWoodenBar, kFelt, kHead } from "./parts.js";
 import { colour } from "./plots.js";
 
 /** Colours of energies by their names; those that are not here take the next of kOthers. */
@@ -167,7 +167,7 @@ export class Stage {
     const twice = hammers.filter(({ column }, k) => hammers.some((other, i) => i < k && other.column === column));
     this.items = this.items.filter((item) => !twice.includes(item));
     // A string lies on its hammer, and a hammer on a membrane.
-    const orders = ["tube", "board", "stop", "surface", "bar", ...(isFlipped || strings.length === 0 ? [] : ["hammer"]), "string"];
+    const orders = ["tube", "board", "stop", "surface", "bar", "tine", ...(isFlipped || strings.length === 0 ? [] : ["hammer"]), "string"];
     const order = ({ kind, slot = 0, row = 0 }) => (orders.includes(kind) ? orders.indexOf(kind) : orders.length) - 0.1 * slot - 0.01 * Math.abs(row);
     this.items.sort((a, b) => order(a) - order(b));
   }
@@ -393,6 +393,7 @@ export class Stage {
     if (kind === "string") this.drawString(context, box, item, curve, value);
     if (kind === "surface") this.drawSurface(context, box, item, curve);
     if (kind === "bar") this.drawBar(context, box, curve);
+    if (kind === "tine") this.drawTine(context, box, curve);
     if (kind === "tube") this.drawTube(context, box, across(item.at), curve[0]);
     if (kind === "board") this.drawBoard(context, box, across(item.at), item, curve[0]);
     if (kind === "weight") this.drawWeight(context, across(item.at), this.height(box, this.stringAt(item.at, i, part)), item);
@@ -641,6 +642,16 @@ export class Stage {
       context.ellipse(x, box.middle + thick / 2, 3, 4, 0, 0, 2 * Math.PI);
       context.fill();
     }
+  }
+
+  // A strip of steel that is clamped at one end.
+  drawTine(context, box, curve) {
+    const across = (p) => box.left + ((box.right - box.left) * p) / (curve.length - 1);
+    const thick = 9 * this.size;
+    drawSteelStrip(context, Array.from(curve, (y, p) => [across(p), this.height(box, y) - thick / 2]), thick);
+    const isLeft = Math.abs(curve[0]) <= Math.abs(curve.at(-1));
+    const x = isLeft ? box.left - 20 : box.right;
+    drawPlank(context, x, x + 20, box.middle - 15 * this.size, 30 * this.size);
   }
 
   drawTube(context, box, x, displacement) {
