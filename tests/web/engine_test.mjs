@@ -38,44 +38,49 @@ for (const name of ["tom", "marimba", "trichord_c4"]) {
   console.log(`${name}: within ${worst.toExponential(1)} of the peak`);
 }
 
-// Voices of a score, tuned and on two sides, whose keys are held, struck again while they are held, and let go. They begin between
-// blocks of 128 samples, where they are played here. The fret is away: what buzzes magnifies roundings.
+// Scores: voices that are tuned and on two sides, whose keys are held, struck again while they are held, and let go, with the fret
+// away, because what buzzes magnifies roundings; and keys that tune bodies together. Notes begin between blocks of 128 samples,
+// where they are played here.
 {
   const kBlock = 128;
   const at = (block) => (kBlock * block) / 44100;
   const velocity = 100 / 127; // as MIDI has it
-  const score = {
-    instrument: "fret_guitar",
-    voices: [{ name: "low", tuning_cents: -300, pan: -0.5 }, { name: "plain", pan: 0 }, { name: "high", tuning_cents: 650, pan: 0.4 }],
-    events: [
-      { time_s: 0, fret_gap_shift_m: 0.005 },
-      { time_s: at(1), voice: "low", key: 50, velocity, hold_s: at(20) },
-      { time_s: at(1), voice: "high", key: 52, velocity, hold_s: at(10) },
-      { time_s: at(6), voice: "high", key: 52, velocity, hold_s: at(30) },
-      { time_s: at(8), voice: "plain", key: 45, velocity, hold_s: at(40) },
-      { time_s: at(16), voice: "plain", key: 57, velocity, hold_s: at(40) },
-    ],
-    duration_s: 0,
-  };
+  const scores = [
+    {
+      instrument: "fret_guitar",
+      voices: [{ name: "low", tuning_cents: -300, pan: -0.5 }, { name: "plain", pan: 0 }, { name: "high", tuning_cents: 650, pan: 0.4 }],
+      events: [
+        { time_s: 0, fret_gap_shift_m: 0.005 },
+        { time_s: at(1), voice: "low", key: 50, velocity, hold_s: at(20) },
+        { time_s: at(1), voice: "high", key: 52, velocity, hold_s: at(10) },
+        { time_s: at(6), voice: "high", key: 52, velocity, hold_s: at(30) },
+        { time_s: at(8), voice: "plain", key: 45, velocity, hold_s: at(40) },
+        { time_s: at(16), voice: "plain", key: 57, velocity, hold_s: at(40) },
+      ],
+    },
+    ...["kalimba", "marimba"].map((instrument) => ({ instrument, events: [60, 73].map((key) => ({ time_s: at(1), key, velocity, hold_s: at(40) })) })),
+  ];
   const generator = startGenerator(readFileSync(generatorWasm));
   const described = new Map(instruments.map((instrument) => [instrument.name, { ...instrument, tuned: (cents) => generator.tuned(instrument.name, cents, 44100) }]));
-  assert.equal(instrumentOf(score, described), "fret_guitar");
-  const { voices, messages } = performanceOf(score, described.get("fret_guitar"));
-  assert.ok(engine.choose(instruments.findIndex(({ name }) => name === "fret_guitar")));
-  voices.forEach((voice, i) => {
-    assert.ok(engine.addVoice(voice));
-    engine.pan(i + 1, voice.pan);
-  });
-  const sides = [[], []];
-  for (let block = 0; sides[0].length < kSamples; ++block) {
-    while (messages[0].at < at(block + 0.5)) play(engine, messages.shift());
-    engine.process(kBlock).slice(0, 2).forEach((samples, side) => sides[side].push(...samples));
+  for (const score of scores) {
+    const name = instrumentOf(score, described);
+    const { voices, messages } = performanceOf({ duration_s: 0, ...score }, described.get(name));
+    assert.ok(engine.choose(instruments.findIndex((instrument) => instrument.name === name)));
+    voices.forEach((voice, i) => {
+      assert.ok(engine.addVoice(voice));
+      engine.pan(i + 1, voice.pan);
+    });
+    const sides = [[], []];
+    for (let block = 0; sides[0].length < kSamples; ++block) {
+      while (messages[0].at < at(block + 0.5)) play(engine, messages.shift());
+      engine.process(kBlock).slice(0, 2).forEach((samples, side) => sides[side].push(...samples));
+    }
+    // A voice in the middle is as loud on each side as one voice alone.
+    const scale = (voices.length > 0 ? Math.SQRT2 : 1) / fullScaleOf(program, name);
+    const expected = renderedScore(program, score, voices.length > 0 ? 2 : 1).map((side) => side.map((x) => x * scale));
+    const worst = expected.map((side, i) => assertEqualSound(`${name}, side ${i}`, sides[i].slice(0, kSamples), side));
+    console.log(`a score for ${name}: within ${Math.max(...worst).toExponential(1)} of the peak`);
   }
-  // A voice in the middle is as loud on each side as one voice alone.
-  const fullScale = fullScaleOf(program, "fret_guitar");
-  const expected = renderedScore(program, score, 2).map((side) => side.map((x) => (x * Math.SQRT2) / fullScale));
-  const worst = expected.map((side, i) => assertEqualSound(`voices, side ${i}`, sides[i].slice(0, kSamples), side));
-  console.log(`three voices of a score: within ${Math.max(...worst).toExponential(1)} of the peak`);
 }
 
 // Beside voices, the instrument itself waits until it is struck.
