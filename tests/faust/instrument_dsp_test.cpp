@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Instruments from files behind Faust's `dsp` interface, against the emitted classes themselves.
+// Instruments from files behind Faust's `dsp` interface, against the instruments without it; Faust's programs
+// of them against both.
 #define FAUSTFLOAT double
 // clang-format off
 #include <faust/dsp/dsp.h>
@@ -13,6 +14,7 @@
 #include <sstream>
 
 #include "classical_guitar_double.hpp"
+#include "contactspline/host/engine.hpp"
 #include "contactspline/host/faust_dsp.hpp"
 #include "contactspline/instruments/classical_guitar.hpp"
 #include "contactspline/instruments/marimba.hpp"
@@ -23,6 +25,7 @@
 #include "contactspline/instruments/trichord_c4.hpp"
 #include "marimba_double.hpp"
 #include "prepared_piano_double.hpp"
+#include "support/by_sample.hpp"
 #include "support/compare.hpp"
 #include "support/real_time.hpp"
 #include "trichord_c4_double.hpp"
@@ -59,13 +62,21 @@ class DspPlayer {
   MapUI controls_;
 };
 
+/// InstrumentDsp of a class as the engine has compiled it.
 template <typename Instrument>
-using Player = DspPlayer<InstrumentDsp<Instrument>>;
+class CompiledDsp : public HandleDsp<double> {
+ public:
+  CompiledDsp() : HandleDsp(&compiled<Instrument>) {}
+};
 
-/// The outputs of an emitted class over their full scales; before_sample(instrument, n) moves its controls.
+template <typename Instrument>
+using Player = DspPlayer<CompiledDsp<Instrument>>;
+
+/// The outputs of an emitted class, without its keys, over their full scales; before_sample(instrument, n) moves its
+/// controls.
 template <typename Instrument, typename BeforeSample>
 std::vector<std::vector<double>> bare(std::size_t samples, BeforeSample before_sample) {
-  Instrument instrument(kRate);
+  BySample<double> instrument(Instrument::data::view(), kRate);
   const auto& outputs = Instrument::data::outputs;
   std::vector sound(outputs.size(), std::vector<double>());
   for (std::size_t n = 0; n < samples; ++n) {
@@ -75,13 +86,6 @@ std::vector<std::vector<double>> bare(std::size_t samples, BeforeSample before_s
   }
   return sound;
 }
-
-/// One copy of an instrument with keys, whose controls act on all copies.
-template <typename Instrument>
-struct Copy : NetworkInstrument<double> {
-  using data = typename Instrument::data;
-  explicit Copy(double sample_rate_hz) : NetworkInstrument<double>(data::view(), sample_rate_hz) {}
-};
 
 double peak(const std::vector<double>& sound) {
   double peak = 0;
@@ -103,7 +107,7 @@ void expect_same_strikes() {
     Player<Instrument> player;
     player.set(Instrument::data::events[s].name, 1);
     const auto sound = player.play(4410);
-    const auto expected = bare<Instrument>(4410, [&](Instrument& instrument, std::size_t n) {
+    const auto expected = bare<Instrument>(4410, [&](BySample<double>& instrument, std::size_t n) {
       if (n == 0) instrument.strike(s, 2.5);
     });
     EXPECT_GT(peak(sound[0]), 0.01);
@@ -124,7 +128,7 @@ TEST(InstrumentDsp, PlucksAsAScore) {
   player.set("pluck_finger", 1);
   const auto sound = player.play(4410);
   EXPECT_GT(peak(sound[0]), 0.01);
-  EXPECT_EQ(sound, bare<Copy<Tanpura>>(4410, [](Copy<Tanpura>& instrument, std::size_t n) {
+  EXPECT_EQ(sound, bare<Tanpura>(4410, [](BySample<double>& instrument, std::size_t n) {
               instrument.set(0, pluck_n(n, 0.45));  // finger_force_n
             }));
 
@@ -132,7 +136,7 @@ TEST(InstrumentDsp, PlucksAsAScore) {
   Player<SlapBass> popped;
   popped.set("pop_release_n", -5);
   popped.set("pluck_pop", 1);
-  EXPECT_EQ(popped.play(4410), bare<Copy<SlapBass>>(4410, [](Copy<SlapBass>& instrument, std::size_t n) {
+  EXPECT_EQ(popped.play(4410), bare<SlapBass>(4410, [](BySample<double>& instrument, std::size_t n) {
               instrument.set(4, pluck_n(n, -5));  // pop_force_n
             }));
 }
@@ -151,13 +155,17 @@ TEST(InstrumentDsp, FollowsItsControls) {
   auto sound = player.play(2000);
   const double rate = -std::expm1(-1 / (0.005 * kRate));
   double damping = 0;
-  const auto expected = bare<Piano>(4000, [&](Piano& instrument, std::size_t n) {
-    if (n == 0) instrument.strike_hammer(3.5);
+  const auto control = [](std::string_view name) {
+    const auto& all = Piano::data::parameters;
+    return static_cast<std::size_t>(std::ranges::find(all, name, &Parameter::name) - all.begin());
+  };
+  const auto expected = bare<Piano>(4000, [&](BySample<double>& instrument, std::size_t n) {
+    if (n == 0) instrument.strike(0, 3.5);
     if (n < 2000) return;
-    if (n == 2000) instrument.set_screw_stiffness_n_per_m(2e5);
-    if (n == 2000) instrument.set_play_gap_shift_m(-1e-4);
+    if (n == 2000) instrument.set(control("screw_stiffness_n_per_m"), 2e5);
+    if (n == 2000) instrument.set(control("play_gap_shift_m"), -1e-4);
     damping += rate * (60 - damping);
-    instrument.set_damper_damping_per_s(damping);
+    instrument.set(control("damper_damping_per_s"), damping);
   });
   for (std::size_t o = 0; o < sound.size(); ++o) {
     sound[o].insert(sound[o].begin(), first[o].begin(), first[o].end());
@@ -279,7 +287,7 @@ std::vector<std::vector<double>> played(std::size_t samples, const std::vector<M
 template <typename Instrument, typename Program>
 void expect_same_sound(std::size_t samples, const std::vector<Move>& moves, double least = 1e-3,
                        double bound = 1e-9) {
-  const auto expected = played<InstrumentDsp<Instrument>>(samples, moves);
+  const auto expected = played<CompiledDsp<Instrument>>(samples, moves);
   const auto found = played<Program>(samples, moves, 1);
   ASSERT_EQ(found.size(), expected.size());
   for (std::size_t o = 0; o < found.size(); ++o) {
@@ -330,7 +338,7 @@ TEST(FaustInstrument, OfThePreparedPianoHoldsItsBoltAsTheClass) {
 // differs from those whose hammer is faster or whose bolt is heavier by some roundings. The bolt hangs on the string,
 // with a weight that compresses the steel by 1e-8 m only: what is rounded there acts as another weight.
 TEST(FaustInstrument, OfThePreparedPianoRattlesAsTheClass) {
-  using Class = InstrumentDsp<instruments::prepared_piano<double>>;
+  using Class = CompiledDsp<instruments::prepared_piano<double>>;
   constexpr std::size_t kSamples = 2200;
   constexpr double kSome = 1 + 64 * std::numeric_limits<double>::epsilon();
   const auto moves = [](double speed, double weight_n) {
@@ -376,8 +384,8 @@ TEST(FaustInstrument, TellsHostsWhatTheClassTellsThem) {
     const std::size_t sustain = text.find("sustain 0 0 1\n");
     return text.substr(0, text.rfind('\n', sustain) + 1);
   };
-  EXPECT_EQ(told<trichord_c4_double>(), without_keys(told<InstrumentDsp<instruments::trichord_c4<double>>>()));
-  EXPECT_EQ(told<prepared_piano_double>(), without_keys(told<InstrumentDsp<instruments::prepared_piano<double>>>()));
+  EXPECT_EQ(told<trichord_c4_double>(), without_keys(told<CompiledDsp<instruments::trichord_c4<double>>>()));
+  EXPECT_EQ(told<prepared_piano_double>(), without_keys(told<CompiledDsp<instruments::prepared_piano<double>>>()));
 }
 
 }  // namespace

@@ -10,8 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "contactspline/instrument/network_instrument.hpp"
-#include "contactspline/instrument/voices.hpp"
 #include "contactspline/models/hammer_voice.hpp"
 #include "contactspline/models/mass_barrier.hpp"
 #include "generator/emit/emit_instrument.hpp"
@@ -28,6 +26,7 @@
 #include "generator/resonator/keyboard_reader.hpp"
 #include "generator/resonator/resonator_reader.hpp"
 #include "generator/support/error.hpp"
+#include "support/by_sample.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -236,11 +235,9 @@ InstrumentModel read_instrument(std::string_view text) {
 }
 
 // Energy never grows by more than the work that is done, but for rounding.
-template <typename I>
-void play_instrument_in(const InstrumentArrays& arrays) {
-  using T = typename I::value_type;
-  I instrument(arrays.view());
-  instrument.prepare(kHz);
+template <typename T>
+void play_instrument_in(const InstrumentArrays& arrays, const InstrumentData& data) {
+  BySample<T> instrument(Engine<T>::network(data), kHz);
   const double begin = instrument.energy();
   double work = 0, reached = std::abs(begin);
   for (int n = 0; n < kSamples; ++n) {
@@ -249,8 +246,8 @@ void play_instrument_in(const InstrumentArrays& arrays) {
     for (std::size_t i = 0; i < arrays.strikes.size(); ++i)
       if (n % 32 == 0) instrument.strike(i, T(2));
     for (const KeyRange& keys : arrays.model->keys.ranges) {
-      if (n % 16 == 3) instrument.note_on(n % 32 == 3 ? keys.first : keys.last, 0.9);
-      if (n % 16 == 11) instrument.note_off(keys.first);
+      if (n % 16 == 3) instrument.handle().note_on(n % 32 == 3 ? keys.first : keys.last, 0.9);
+      if (n % 16 == 11) instrument.handle().note_off(keys.first);
     }
     instrument.tick();
     work += instrument.work();
@@ -274,11 +271,11 @@ void play_instrument(std::string_view text) {
   for (const Emitter& emitter : emitters())
     if (emitter.name != "faust" || !faust_obstacle(model, arrays))
       demand_text(emitter, emit(emitter, model, kHz / 2, kCommand));
-  play_instrument_in<NetworkInstrument<double>>(arrays);
-  play_instrument_in<NetworkInstrument<float>>(arrays);
+  play_instrument_in<double>(arrays, without_keys(arrays.view()));
+  play_instrument_in<float>(arrays, without_keys(arrays.view()));
   if (model.keys.ranges.empty()) return;
-  play_instrument_in<Voices<NetworkInstrument<double>>>(arrays);
-  play_instrument_in<Voices<NetworkInstrument<float>>>(arrays);
+  play_instrument_in<double>(arrays, arrays.view());
+  play_instrument_in<float>(arrays, arrays.view());
 }
 
 void demand_notes(const MidiSong& song) {

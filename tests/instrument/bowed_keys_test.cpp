@@ -5,10 +5,9 @@
 #include <optional>
 
 #include "contactspline/data/stroke.hpp"
-#include "contactspline/instrument/network_instrument.hpp"
-#include "contactspline/instrument/voices.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/support/error.hpp"
+#include "support/by_sample.hpp"
 #include "support/compare.hpp"
 
 namespace contactspline::testing {
@@ -80,7 +79,8 @@ std::string fiddle(int low_cents = 0, int high_cents = 0) {
     "controls": [ { "name": "bow", "normal_force_n": ["on_low", "on_high"], "initial": 0.4, "max": 5,
                     "controller": "pressure" },
                   { "name": "bow", "surface_speed_m_per_s": ["on_low", "on_high"], "initial": 0.2, "controller": 2 } ],
-    "outputs": [ { "name": "low", "end_force_n": "low" }, { "name": "high", "end_force_n": "high" } ],
+    "outputs": [ { "name": "low", "end_force_n": "low" }, { "name": "high", "end_force_n": "high" },
+                 { "name": "on_low", "force_n": "on_low" }, { "name": "on_high", "force_n": "on_high" } ],
     "keys": [ { "first": 55, "last": 61, "event": "bow_on_low", "tuned_key": 55, "string": "low" },
               { "first": 62, "last": 80, "event": "bow_on_high", "tuned_key": 62, "string": "high" } ],
     "polyphony": 1 })";
@@ -89,16 +89,15 @@ std::string fiddle(int low_cents = 0, int high_cents = 0) {
 struct Fiddle {
   explicit Fiddle(const std::string& text = fiddle())
       : arrays(arrays_of(parse_instrument(text, "fiddle.json"), kRate / 2)) {
-    voices.emplace(arrays.view());
-    voices->prepare(kRate);
+    voices.emplace(Engine<double>::network(arrays.view()), kRate);
   }
   void play(double seconds) {
     for (int n = 0; n < seconds * kRate; ++n) {
-      const double before = network().energy();
+      const double before = voices->energy();
       voices->tick();
-      const double error = network().energy() - before - network().work() + network().dissipated();
+      const double error = voices->energy() - before - voices->work() + voices->dissipated();
       imbalance = std::max(imbalance, std::abs(error));
-      peak = std::max(peak, network().energy());
+      peak = std::max(peak, voices->energy());
     }
   }
   // The next samples of both outputs, one after the other.
@@ -126,11 +125,13 @@ struct Fiddle {
     const double before = likeness(best - 1), at = likeness(best), behind = likeness(best + 1);
     return kRate / (best + (before - behind) / (2 * (before - 2 * at + behind)));
   }
-  [[nodiscard]] const NetworkInstrument<double>& first() const { return voices->voice(0); }
-  [[nodiscard]] const ContactNetwork<double>& network() const { return first().network(); }
+  void note_on(int key, double velocity) { voices->handle().note_on(key, velocity); }
+  void note_off(int key) { voices->handle().note_off(key); }
+  /// Of friction on the lower or the higher string.
+  [[nodiscard]] double force(std::size_t string) const { return voices->output(2 + string); }
 
   InstrumentArrays arrays;
-  std::optional<Voices<NetworkInstrument<double>>> voices;
+  std::optional<BySample<double>> voices;
   double imbalance = 0, peak = 0;
 };
 
@@ -150,17 +151,17 @@ TEST(KeysThatBow, AreUpUntilAKeyGoesDown) {
   Fiddle fiddle;
   EXPECT_TRUE(fiddle.voices->is_silent(1e-14));
   fiddle.play(0.1);
-  EXPECT_EQ(fiddle.network().energy(), 0);
-  fiddle.voices->note_on(55, 1);
+  EXPECT_EQ(fiddle.voices->energy(), 0);
+  fiddle.note_on(55, 1);
   EXPECT_FALSE(fiddle.voices->is_silent(1e-14));
   fiddle.play(0.5);
-  EXPECT_GT(fiddle.network().energy(), 1e-6);
-  EXPECT_EQ(fiddle.network().force(1), 0) << "of the other string";
-  fiddle.voices->note_off(55);
+  EXPECT_GT(fiddle.voices->energy(), 1e-6);
+  EXPECT_EQ(fiddle.force(1), 0) << "of the other string";
+  fiddle.note_off(55);
   fiddle.play(0.021);
   fiddle.play(0.001);
-  EXPECT_EQ(fiddle.network().force(0), 0);
-  EXPECT_GT(fiddle.network().energy(), 1e-7) << "the string rings";
+  EXPECT_EQ(fiddle.force(0), 0);
+  EXPECT_GT(fiddle.voices->energy(), 1e-7) << "the string rings";
   // Rounding: as in friction_network_test, of a sample.
   EXPECT_LE(fiddle.imbalance, 1e-12 * fiddle.peak);
 }
@@ -169,11 +170,11 @@ TEST(KeysThatBow, AreUpUntilAKeyGoesDown) {
 // of the modes to 13 digits.
 TEST(KeysThatBow, TuneTheirOwnString) {
   Fiddle by_keys, by_file(fiddle(250, 400));
-  by_keys.voices->note_on(57, 0.5);
-  by_keys.voices->note_on(66, 0.5);
-  by_keys.voices->bend_key(57, 50);
-  by_file.voices->note_on(55, 0.5);
-  by_file.voices->note_on(62, 0.5);
+  by_keys.note_on(57, 0.5);
+  by_keys.note_on(66, 0.5);
+  by_keys.voices->handle().play({0, Action::kBendKey, 57, 50});
+  by_file.note_on(55, 0.5);
+  by_file.note_on(62, 0.5);
   const std::vector<double> expected = by_file.played(1000);
   EXPECT_TRUE(
       sequences_within(std::span<const double>(by_keys.played(1000)), std::span<const double>(expected), 1e-8));
@@ -196,10 +197,10 @@ TEST(KeysThatBow, TuneTheTorsionOfTheirString) {
   };
   Fiddle by_keys(with_torsion(0, true)), by_file(with_torsion(250, false)), untuned(with_torsion(0, false));
   for (Fiddle* played : {&by_keys, &untuned}) {
-    played->voices->note_on(57, 0.5);
-    played->voices->bend_key(57, 50);
+    played->note_on(57, 0.5);
+    played->voices->handle().play({0, Action::kBendKey, 57, 50});
   }
-  by_file.voices->note_on(55, 0.5);
+  by_file.note_on(55, 0.5);
   const std::vector<double> expected = by_file.played(1000);
   const std::span<const double> wanted(expected);
   // The frequency in the file has six decimals.
@@ -217,19 +218,19 @@ TEST(KeysThatBow, GoOnWithTheKeyThatIsStillHeld) {
   Fiddle fiddle;
   const double file_hz = fiddle.arrays.angular_frequencies.front() / (2 * std::numbers::pi);
   const auto cents = [&] { return 1200 * std::log2(fiddle.pitch_hz() / file_hz); };
-  fiddle.voices->note_on(57, 1);
+  fiddle.note_on(57, 1);
   fiddle.play(0.5);
   EXPECT_TRUE(within(cents(), 200, 30));  // a bow flattens
-  fiddle.voices->note_on(59, 1);
+  fiddle.note_on(59, 1);
   fiddle.play(0.3);
   EXPECT_TRUE(within(cents(), 400, 30));
-  fiddle.voices->note_off(59);
+  fiddle.note_off(59);
   fiddle.play(0.3);
   EXPECT_TRUE(within(cents(), 200, 30));
   EXPECT_FALSE(fiddle.voices->is_silent(1e9)) << "the bow is still down";
-  fiddle.voices->note_off(57);
+  fiddle.note_off(57);
   fiddle.play(0.03);
-  EXPECT_EQ(fiddle.network().force(0), 0);
+  EXPECT_EQ(fiddle.force(0), 0);
 }
 
 // What bows pull alternates from stroke to stroke: the mean force on the string. A held key keeps its direction.
@@ -240,18 +241,18 @@ TEST(KeysThatBow, AlternateTheirStrokes) {
     double sum = 0;
     for (int n = 0; n < 4410; ++n) {
       fiddle.voices->tick();
-      sum += fiddle.network().force(0);
+      sum += fiddle.force(0);
     }
     return sum;
   };
-  fiddle.voices->note_on(55, 1);
+  fiddle.note_on(55, 1);
   const double first = mean_force();
-  fiddle.voices->note_on(57, 1);
+  fiddle.note_on(57, 1);
   EXPECT_GT(first * mean_force(), 0) << "legato";
-  fiddle.voices->note_off(55);
-  fiddle.voices->note_off(57);
+  fiddle.note_off(55);
+  fiddle.note_off(57);
   fiddle.play(0.05);
-  fiddle.voices->note_on(55, 1);
+  fiddle.note_on(55, 1);
   EXPECT_LT(first * mean_force(), 0);
 }
 
@@ -259,18 +260,18 @@ TEST(KeysThatBow, AlternateTheirStrokes) {
 TEST(KeysThatBow, LeaveOtherKeysAlone) {
   Fiddle fiddle, alone;
   for (Fiddle* played : {&fiddle, &alone}) {
-    played->voices->note_on(57, 1);
-    played->voices->note_on(66, 1);
+    played->note_on(57, 1);
+    played->note_on(66, 1);
   }
-  fiddle.voices->note_on(58, 0);
+  fiddle.note_on(58, 0);
   EXPECT_TRUE(sequences_within(std::span<const double>(fiddle.played(1000)),
                                std::span<const double>(alone.played(1000)), 0.0));
   fiddle.voices->bow(0, 5.0);  // the lower string has the pitch of the file until the event ends
   fiddle.voices->bow(0, 0.0);
   fiddle.play(0.05);
   EXPECT_FALSE(fiddle.voices->is_silent(1e9)) << "two keys are held";
-  fiddle.voices->note_off(57);
-  fiddle.voices->note_off(66);
+  fiddle.note_off(57);
+  fiddle.note_off(66);
   fiddle.play(0.03);
   EXPECT_TRUE(fiddle.voices->is_silent(1e9));
 }
@@ -280,27 +281,27 @@ TEST(KeysThatBow, LiftTheBowOfAVoiceThatIsTaken) {
   std::string text = fiddle();
   text.replace(text.find("\"polyphony\": 1"), 14, "\"polyphony\": 2");
   Fiddle two(text);
-  two.voices->note_on(57, 1);
-  two.voices->note_on(58, 1);
+  two.note_on(57, 1);
+  two.note_on(58, 1);
   two.play(0.1);
-  two.voices->note_on(62, 1);
+  two.note_on(62, 1);
   two.play(0.1);
-  two.voices->note_off(62);
-  two.voices->note_off(58);
-  two.voices->note_off(57);
+  two.note_off(62);
+  two.note_off(58);
+  two.note_off(57);
   two.play(0.03);
   EXPECT_TRUE(two.voices->is_silent(1e9)) << "no bow is down";
 }
 
 TEST(KeysThatBow, AreUpAfterAReset) {
   Fiddle fiddle;
-  fiddle.voices->note_on(57, 1);
+  fiddle.note_on(57, 1);
   fiddle.play(0.1);
   fiddle.voices->reset();
   EXPECT_TRUE(fiddle.voices->is_silent(1e-14));
   fiddle.play(0.05);
-  EXPECT_EQ(fiddle.network().energy(), 0);
-  EXPECT_EQ(fiddle.network().force(0), 0);
+  EXPECT_EQ(fiddle.voices->energy(), 0);
+  EXPECT_EQ(fiddle.force(0), 0);
 }
 
 TEST(KeysThatBow, HaveOneVoiceUnlessTheFileSaysMore) {

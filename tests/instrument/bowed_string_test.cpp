@@ -6,12 +6,12 @@
 #include <string>
 #include <utility>
 
-#include "contactspline/instrument/network_instrument.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/support/input_file.hpp"
 #include "support/compare.hpp"
 #include "support/measured.hpp"
 #include "support/precisions.hpp"
+#include "support/seen_network.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -34,7 +34,7 @@ struct Played {
 
   InstrumentModel model;
   InstrumentArrays arrays = arrays_of(model, kRate / 2);
-  NetworkInstrument<T> instrument;
+  SeenNetwork<T> instrument;
 };
 
 // A belt at 1 m/s under a mass of 0.2 kg, which a constant friction of 0.4 times 2 N accelerates by 4 m/s^2. It
@@ -95,7 +95,7 @@ Slips slips_of(Violin<T>& violin) {
   bool has_stuck = false;
   for (int n = 0; n < 0.4 * kRate; ++n) {
     violin.instrument.tick();
-    const double slip = double(violin.instrument.network().slip(violin.bow)) * kRate / kSpeed_m_per_s;
+    const double slip = double(violin.instrument.slip(violin.bow)) * kRate / kSpeed_m_per_s;
     if (slip > 0.2 / kPlace && std::exchange(has_stuck, false)) begins.push_back(n);
     has_stuck |= slip < 0.05;
   }
@@ -167,7 +167,7 @@ TYPED_TEST(BowedViolin, FollowsAFingerThatMoves) {
 // plectrum is lifted the string rings alone.
 TEST(FrictionOfAFile, LetsGoOfAStringUnderAPlectrum) {
   Played<double> guitar(parse_instrument(read_input(EXAMPLES_FOLDER "/plectrum.json"), "plectrum.json"));
-  const auto& network = guitar.instrument.network();
+  const auto& network = guitar.instrument;
   std::size_t rubbing = 0;
   while (guitar.arrays.connections[rubbing].kind != ConnectionKind::kFriction) ++rubbing;
   const std::size_t tip = guitar.arrays.connections[rubbing].friction.pressed_by;

@@ -7,10 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "contactspline/instrument/network_instrument.hpp"
-#include "contactspline/instrument/voices.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/support/embedded_files.hpp"
+#include "support/by_sample.hpp"
 #include "support/compare.hpp"
 #include "support/measured.hpp"
 
@@ -47,17 +46,16 @@ TEST_P(EveryKey, Speaks) {
   const std::string name = GetParam();
   const InstrumentArrays arrays =
       arrays_of(parse_instrument(find_embedded(Shipped::kInstruments, name + ".json")->content, name), kRate / 2);
-  Voices<NetworkInstrument<double>> instrument(arrays.view());
-  instrument.prepare(kRate);
+  BySample<double> instrument(Engine<double>::network(arrays.view()), kRate);
   const bool is_full = std::getenv("CONTACTSPLINE_FULL_TESTS") != nullptr;
   const std::vector<double> velocities = is_full ? std::vector{0.1, 0.3, 0.5, 0.7, 0.9, 1.0} : std::vector{0.4, 0.9};
   double largest = 0;
   int of_key = 0;
-  for (const KeyRange& range : instrument.keyed().ranges)
+  for (const KeyRange& range : arrays.model->keys.ranges)
     for (int key = range.first; key <= range.last; ++key)
       for (const double velocity : velocities) {
         instrument.reset();
-        instrument.note_on(key, velocity);
+        instrument.handle().note_on(key, velocity);
         std::vector<double> sound;
         for (int n = 0; n < (is_full ? 1.0 : 0.35) * kRate; ++n) {
           instrument.tick();

@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "contactspline/instrument/network_instrument.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/player/instrument_parts.hpp"
 #include "generator/support/input_file.hpp"
 #include "support/compare.hpp"
 #include "support/measured.hpp"
+#include "support/seen_network.hpp"
 #include "support/spectrum.hpp"
 
 namespace contactspline::testing {
@@ -59,24 +59,19 @@ class Guitar {
       balance_ += played_.work() - played_.dissipated();
       imbalance = std::max(imbalance, std::abs(played_.energy() - balance_));
       largest_energy = std::max(largest_energy, played_.energy());
-      const auto& solver = played_.network().solver();
-      for (const std::size_t k : solver.active())
-        if (k < arrays_.connections.size()) {
-          const double f = std::abs(played_.network().force(k));
-          rounding += std::numeric_limits<double>::epsilon() * f *
-                      (std::abs(solver[k].free_increment) + solver.admittance(k, k) * f);
-        }
-      force.push_back(float(played_.network().force(link)));
+      for (const std::size_t k : played_.active())
+        if (k < arrays_.connections.size()) rounding += played_.rounding_j(k);
+      force.push_back(float(played_.force(link)));
     }
     return force;
   }
-  [[nodiscard]] std::size_t bounded() const { return played_.network().solver().bounded(); }
+  [[nodiscard]] std::size_t bounded() const { return played_.bounded(); }
 
   double imbalance = 0, largest_energy = 0, rounding = 0;
 
  private:
   InstrumentArrays arrays_;
-  NetworkInstrument<double> played_;
+  SeenNetwork<double> played_;
   double balance_;
 };
 

@@ -8,10 +8,12 @@
 #include <span>
 #include <vector>
 
+#include "contactspline/host/engine.hpp"
 #include "contactspline/host/hosted.hpp"
 #include "contactspline/instruments/fret_guitar.hpp"
 #include "contactspline/instruments/lap_steel.hpp"
 #include "support/compare.hpp"
+#include "support/seen_network.hpp"
 #include "support/spectrum.hpp"
 
 namespace contactspline::testing {
@@ -27,16 +29,31 @@ double cents(double ratio) {
   return 1200 * std::log2(ratio);
 }
 
-template <typename I>
-std::vector<typename I::value_type> next(I& instrument, std::size_t samples, std::size_t output = 0) {
-  std::vector<typename I::value_type> sound(samples);
-  instrument.process(std::span(sound), output);
+template <typename T>
+std::vector<T> next(AnyInstrument<T>& instrument, std::size_t samples, std::size_t output = 0) {
+  std::vector<T> sound(samples);
+  std::vector<std::span<T>> outputs(instrument.outputs().size());
+  outputs[output] = sound;
+  instrument.process(outputs, {});
   return sound;
 }
 
-// Frequency of a key over a second that begins half a second after the note.
+// As the engine has compiled it, prepared.
 template <typename I>
-double heard_hz(I& instrument, int key) {
+Handle<typename I::value_type> prepared() {
+  auto instrument = compiled<I>();
+  instrument->prepare(kRate);
+  return instrument;
+}
+
+template <typename T>
+std::size_t parameter(const AnyInstrument<T>& instrument, std::string_view name) {
+  const auto all = instrument.parameters();
+  return static_cast<std::size_t>(std::ranges::find(all, name, &Parameter::name) - all.begin());
+}
+
+// Frequency of a key over a second that begins half a second after the note.
+double heard_hz(AnyInstrument<float>& instrument, int key) {
   instrument.reset();
   instrument.note_on(key, 0.5);
   (void)next(instrument, static_cast<std::size_t>(kRate / 2));
@@ -52,7 +69,7 @@ double heard_hz(I& instrument, int key) {
 // w Z/1e7 < 1e-3 rad, 0.5 cents. The bin of the spectrum, 1 Hz, is read to 0.02. Measured: 0.1 to 4.4 cents sharp of
 // the key.
 TEST(LapSteel, SoundsAtThePitchOfItsKeys) {
-  instruments::lap_steel<float> steel(kRate);
+  const auto steel = prepared<instruments::lap_steel<float>>();
   constexpr double kString = 0.648, kMass = 0.00135577 / kString, kBending = 0.000251327, kBar = 0.1, kTuned = -3;
   for (const int key : {43, 48, 55, 60, 67, 72, 79}) {
     const double tension = 135 * std::exp2((100 * (key - 60) + kTuned) / 600), length = kString - 0.162;
@@ -62,7 +79,7 @@ TEST(LapSteel, SoundsAtThePitchOfItsKeys) {
     const double open_hz = std::sqrt(tension / kMass) / (2 * kString),
                  modes = std::min(90.0, kRate / 2 / open_hz / 1.2);
     const double shorter = std::sqrt(kBending / tension) + kString / (std::numbers::pi * std::numbers::pi * modes);
-    const double heard = heard_hz(steel, key), read = cents(1 + 0.02 / hz);
+    const double heard = heard_hz(*steel, key), read = cents(1 + 0.02 / hz);
     EXPECT_GE(cents(heard / hz), -0.5 - read) << key;
     EXPECT_LE(cents(heard / hz), cents(1 / (1 - shorter / length)) + read) << key;
     EXPECT_TRUE(within(cents(heard / pitch_hz(key)), 0, 5)) << key;
@@ -71,13 +88,13 @@ TEST(LapSteel, SoundsAtThePitchOfItsKeys) {
 
 // Without the fret: the first mode of a string that is tuned by its tension.
 TEST(FretGuitar, SoundsAtThePitchOfItsKeys) {
-  instruments::fret_guitar<float> guitar(kRate);
-  guitar.set_fret_gap_shift_m(0.005f);
+  const auto guitar = prepared<instruments::fret_guitar<float>>();
+  guitar->set(parameter(*guitar, "fret_gap_shift_m"), double(0.005f));
   constexpr double kLength = 0.648, kMass = 0.00243374 / kLength, kBending = 0.000251327;
   for (const int key : {38, 50, 60, 74}) {
     const double tension = 136 * std::exp2((key - 50) / 6.0), k = std::numbers::pi / kLength;
     const double hz = k * std::sqrt(tension / kMass * (1 + kBending * k * k / tension)) / (2 * std::numbers::pi);
-    const double heard = heard_hz(guitar, key);
+    const double heard = heard_hz(*guitar, key);
     EXPECT_TRUE(within(cents(heard / hz), 0, cents(1 + 0.02 / hz))) << key;
     EXPECT_TRUE(within(cents(heard / pitch_hz(key)), 0, 6)) << key;
   }
@@ -89,10 +106,10 @@ TEST(FretGuitar, SoundsAtThePitchOfItsKeys) {
 template <typename T>
 void expect_rest() {
   constexpr double kRounding_n = 3 * std::numeric_limits<double>::epsilon() / 300 * 1.05e7;
-  instruments::lap_steel<T> steel(kRate);
-  for (const T force : next(steel, 4800, 1)) ASSERT_TRUE(within(double(force), 0, kRounding_n));
-  for (const T force : next(steel, 48000)) ASSERT_TRUE(within(double(force), 0, kRounding_n));
-  EXPECT_TRUE(steel.is_at_rest(1e-13));
+  const auto steel = prepared<instruments::lap_steel<T>>();
+  for (const T force : next(*steel, 4800, 1)) ASSERT_TRUE(within(double(force), 0, kRounding_n));
+  for (const T force : next(*steel, 48000)) ASSERT_TRUE(within(double(force), 0, kRounding_n));
+  EXPECT_TRUE(steel->is_at_rest(1e-13));
 }
 
 TEST(LapSteel, RestsUntilItIsPlayed) {
@@ -103,7 +120,7 @@ TEST(LapSteel, RestsUntilItIsPlayed) {
 // A hand that presses harder or less makes no edge that is sharper than a step of a thousandth of a pluck of 3 N: the
 // promise of docs/how-to/slide-string.md.
 TEST(LapSteel, IsPressedWithoutASound) {
-  Hosted<float> steel(handle_of<instruments::lap_steel<float>>());
+  Hosted<float> steel(compiled<instruments::lap_steel<float>>());
   steel.prepare(kRate);
   std::vector<float> sound(48000);
   float* const outputs[] = {sound.data(), nullptr};
@@ -118,11 +135,11 @@ TEST(LapSteel, IsPressedWithoutASound) {
 // A note is the same whenever it begins.
 template <typename I>
 void expect_same_note_at_any_time() {
-  I early(kRate), late(kRate);
-  (void)next(early, 1000);
-  (void)next(late, 31234);
-  for (I* const instrument : {&early, &late}) instrument->note_on(60, 0.8);
-  const auto first = next(early, 48000), second = next(late, 48000);
+  const auto early = prepared<I>(), late = prepared<I>();
+  (void)next(*early, 1000);
+  (void)next(*late, 31234);
+  for (auto* const instrument : {early.get(), late.get()}) instrument->note_on(60, 0.8);
+  const auto first = next(*early, 48000), second = next(*late, 48000);
   EXPECT_GT(std::ranges::max(first), 0.1);
   double power = 0, error = 0;
   for (std::size_t n = 0; n < first.size(); ++n) {
@@ -144,15 +161,15 @@ TEST(FretGuitar, PlaysANoteTheSameAtAnyTime) {
 // Under a light hand a loud note rattles: the contact opens. A soft one does not.
 TEST(LapSteel, RattlesWhereAPluckIsStrongerThanTheHand) {
   const auto opens = [](double velocity) {
-    instruments::lap_steel<double> steel(kRate);
-    (void)next(steel, 4800);
-    steel.set_press_gap_shift_m(-0.008);
-    (void)next(steel, 9600);
-    steel.note_on(60, velocity);
+    const SeenVoices steel(instruments::lap_steel<double>::data::view(), kRate);
+    (void)next(*steel, 4800);
+    steel->set(parameter(*steel, "press_gap_shift_m"), -0.008);
+    (void)next(*steel, 9600);
+    steel->note_on(60, velocity);
     bool is_open = false;
     for (std::size_t n = 0; n < 9600; ++n) {
-      steel.tick();
-      is_open |= steel.voice(0).network().force(0) == 0;
+      (void)next(*steel, 1);
+      is_open |= steel.force(0, 0) == 0;
     }
     return is_open;
   };

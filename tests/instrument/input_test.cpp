@@ -4,6 +4,7 @@
 #include <complex>
 #include <random>
 
+#include "contactspline/host/engine.hpp"
 #include "contactspline/host/hosted.hpp"
 #include "contactspline/host/oversampled.hpp"
 #include "contactspline/host/replaceable.hpp"
@@ -12,7 +13,9 @@
 #include "contactspline/instruments/kit.hpp"
 #include "contactspline/instruments/tom.hpp"
 #include "contactspline/keyboards/piano.hpp"
+#include "contactspline/models/body.hpp"
 #include "generator/instrument/instrument_reader.hpp"
+#include "support/by_sample.hpp"
 #include "support/compare.hpp"
 
 namespace contactspline::testing {
@@ -66,8 +69,8 @@ constexpr auto kMode = R"({ "name": "probe",
 // amplitude is that of the continuous mode, F/(2 a m w), to the second order in w dt and in a/w.
 TEST(Input, MovesAModeByItsResponse) {
   const InstrumentArrays arrays = arrays_of(parse_instrument(kMode, "probe.json"), kRate / 2);
-  NetworkInstrument<double> instrument(arrays.view(), kRate);
-  EXPECT_EQ(instrument.input_scale_n(), 2);
+  BySample<double> instrument(arrays.view(), kRate);
+  EXPECT_EQ(instrument.handle().input_scale_n(), 2);
   constexpr double kForce_n = 3, kShape = 0.5;
   constexpr std::size_t kPeriod = 441, kSettling = 120 * kPeriod;  // e^-24 of the beginning is left
   const double w = arrays.angular_frequencies[0], decay = arrays.decays[0], mass = arrays.masses[0];
@@ -101,8 +104,8 @@ TEST(Input, MovesAModeByItsResponse) {
 
 // Over each sample the energy changes by the work of the input less the heat. Rounding: 1e-12 of the energy.
 TEST(Input, KeepsTheBooksOfEnergy) {
-  for (const auto make : {handle_of<instruments::tom<double>>, handle_of<instruments::cello<double>>,
-                          handle_of<instruments::kit<double>>}) {
+  for (const auto make : {compiled<instruments::tom<double>>, compiled<instruments::cello<double>>,
+                          compiled<instruments::kit<double>>}) {
     const auto instrument = make();
     SCOPED_TRACE(instrument->name());
     instrument->prepare(kRate);
@@ -125,8 +128,8 @@ TEST(Input, KeepsTheBooksOfEnergy) {
 
 // With the books of zero force, too: no bit changes.
 TEST(Input, OfSilenceChangesNothing) {
-  for (const auto make : {handle_of<instruments::tom<float>>, handle_of<instruments::cello<float>>,
-                          handle_of<KeyboardInstrument<keyboards::piano, float>>}) {
+  for (const auto make : {compiled<instruments::tom<float>>, compiled<instruments::cello<float>>,
+                          compiled<KeyboardInstrument<keyboards::piano, float>>}) {
     const auto with = make(), without = make();
     SCOPED_TRACE(with->name());
     for (AnyInstrument<float>* const instrument : {with.get(), without.get()}) {
@@ -147,7 +150,7 @@ TEST(Input, OfSilenceChangesNothing) {
 // What hosts hear: nothing while the input is faint; from the block on in which it pushes what the class plays.
 TEST(Input, WakesWhatSleeps) {
   for (const auto make :
-       {handle_of<instruments::tom<double>>, handle_of<instruments::cello<double>>, handle_of<Piano>}) {
+       {compiled<instruments::tom<double>>, compiled<instruments::cello<double>>, compiled<Piano>}) {
     Hosted<double> hosted(make());
     SCOPED_TRACE(hosted.instrument().name());
     hosted.prepare(kRate);
@@ -180,7 +183,7 @@ TEST(Input, WakesWhatSleeps) {
 TEST(Input, ThatEndsIsHeard) {
   const InstrumentArrays arrays = arrays_of(parse_instrument(kMode, "probe.json"), kRate / 2);
   for (std::size_t blocks = 400; blocks < 410; ++blocks) {
-    Hosted<double> hosted(handle_of<NetworkInstrument<double>>(arrays.view()));
+    Hosted<double> hosted(Engine<double>::network(arrays.view()));
     hosted.prepare(kRate);
     std::vector<double> input(256 * blocks, 0.5), sound(input.size());
     std::vector<double*> outputs = {sound.data()};
@@ -194,28 +197,6 @@ TEST(Input, ThatEndsIsHeard) {
     hosted.process<double>(outputs, input.size(), {}, input.data());
     EXPECT_GT(moved(std::span(sound).first(1000)), 1e-4);
   }
-}
-
-// Drums through the strings of a piano: they ring behind the push where the pedal has lifted their dampers, and also
-// where the push begins so softly that strings would have left the bridge.
-TEST(Input, OfAPianoRingsInItsStrings) {
-  constexpr std::size_t kBlow = 220;  // samples: below 200 Hz
-  std::vector<double> ringing;
-  for (const bool is_soft_before : {false, true})
-    for (const double sustain : {0, 1}) {
-      Piano piano(kRate);
-      piano.set(KeyboardParameter::kSustain, sustain);
-      std::vector<double> input(88200, is_soft_before ? 1e-8 : 0);
-      for (std::size_t n = 0; n < kBlow; ++n)
-        input[44100 + n] = 50 * std::sin(std::numbers::pi * static_cast<double>(n) / kBlow);
-      std::vector<double> left(input.size());
-      const std::array<std::span<double>, 2> outputs = {left, {}};
-      piano.process(outputs, {}, input);
-      ringing.push_back(peak<double>(std::span(left).last(11025)));
-      EXPECT_EQ(piano.awake() == 88, sustain > 0);
-    }
-  EXPECT_GT(ringing[1], 3 * ringing[0]);
-  EXPECT_TRUE(relatively_within(ringing[3], ringing[1], 1e-3));
 }
 
 // What pushes the bridge works against the tension of the strings there, at all places by equal parts.
@@ -247,26 +228,31 @@ TEST(Input, PushesTheFirstVoiceAlone) {
   text.replace(text.find("\"outputs\""), 0,
                R"("controls": [ { "name": "finger", "force_n": "foot", "release_n": 1 } ],
     "keys": [ { "first": 60, "last": 62, "event": "pluck_finger" } ], "polyphony": 2, )");
-  const InstrumentArrays arrays = arrays_of(parse_instrument(text, "probe.json"), kRate / 2);
-  Voices<NetworkInstrument<double>> voices(arrays.view());
-  voices.prepare(kRate);
-  std::vector<double> sound(1000);
-  const std::array<std::span<double>, 1> outputs = {sound};
-  const std::vector<double> input = noise<double>(sound.size(), 2);
-  voices.process(outputs, {}, input);
-  EXPECT_GT(voices.voice(0).energy(), 0);
-  EXPECT_EQ(voices.voice(1).energy(), 0);
+  const std::vector<double> input = noise<double>(1000, 2);
+  double energy_j[2];
+  for (const bool is_alone : {false, true}) {
+    InstrumentModel model = parse_instrument(text, "probe.json");
+    ASSERT_EQ(model.keys.voices, 2u);
+    if (is_alone) model.keys.voices = 1;
+    const InstrumentArrays arrays = arrays_of(model, kRate / 2);
+    const auto voices = Engine<double>::network(arrays.view());
+    voices->prepare(kRate);
+    (void)played<double>(*voices, input);
+    energy_j[is_alone] = voices->energy();
+  }
+  EXPECT_GT(energy_j[1], 0);
+  EXPECT_EQ(energy_j[0], energy_j[1]);
 }
 
 // The force is held over each sample of the host.
 TEST(Input, OfAnOversampledInstrumentIsHeld) {
   constexpr int kFactor = 4;
   const std::vector<double> input = noise<double>(5000, 5);
-  Oversampled<double> oversampled(handle_of<instruments::tom<double>>(), kFactor);
+  Oversampled<double> oversampled(compiled<instruments::tom<double>>(), kFactor);
   oversampled.prepare(kRate);
   EXPECT_EQ(oversampled.input_scale_n(), 5);
   const Sound<double> sound = played<double>(oversampled, input, 333);
-  const auto finer = handle_of<instruments::tom<double>>();
+  const auto finer = compiled<instruments::tom<double>>();
   finer->prepare(kFactor * kRate);
   std::vector<double> forces_n;
   for (const double force_n : input) forces_n.insert(forces_n.end(), kFactor, force_n);
@@ -279,11 +265,11 @@ TEST(Input, OfAnOversampledInstrumentIsHeld) {
 // Both are pushed while one fades out; afterwards the new one is where the input of all that time has moved it.
 TEST(Input, PushesWhatReplacesAnInstrument) {
   const std::vector<double> input = noise<double>(5000, 5);
-  Replaceable<double> replaceable(handle_of<instruments::tom<double>>());
+  Replaceable<double> replaceable(compiled<instruments::tom<double>>());
   replaceable.prepare(kRate);
   (void)played<double>(replaceable, input);
   const auto prepared = [] {
-    auto tom = handle_of<instruments::tom<double>>();
+    auto tom = compiled<instruments::tom<double>>();
     tom->prepare(kRate);
     return tom;
   };

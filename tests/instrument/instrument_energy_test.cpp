@@ -2,7 +2,6 @@
 // The energy balance of each instrument that ships, over its score: work of hands, pushes and strikes included.
 #include <cstdlib>
 
-#include "contactspline/instrument/network_instrument.hpp"
 #include "generator/player/instrument_parts.hpp"
 #include "generator/player/score_reader.hpp"
 #include "generator/player/voice_tracks.hpp"
@@ -10,6 +9,7 @@
 #include "support/compare.hpp"
 #include "support/measured.hpp"
 #include "support/one_voice.hpp"
+#include "support/seen_network.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -28,7 +28,7 @@ struct Balance {
 // The largest energy, the largest difference between the energy and what went in and out, and what the solver did.
 Balance balance_of(const Voice& voice, double rate, double duration_s) {
   const InstrumentArrays arrays = instrument_arrays(*voice.model, rate);
-  NetworkInstrument<double> instrument(arrays.view(), rate);
+  SeenNetwork<double> instrument(arrays.view(), rate);
   ControlTrack controls(voice, rate);
   StrikeTrack strikes(voice.strikes, rate);
   NoteTrack notes(voice.notes, rate);
@@ -48,19 +48,14 @@ Balance balance_of(const Voice& voice, double rate, double duration_s) {
     balance.peak_j = std::max(balance.peak_j, energy);
     const double error = std::abs(energy - begin - received);
     if (!(error <= balance.error_j)) balance.error_j = error;
-    const auto& solver = instrument.network().solver();
-    for (std::size_t k = 0; k < arrays.connections.size(); ++k) {
-      if (arrays.connections[k].kind != ConnectionKind::kFriction) continue;
-      const double force = std::abs(instrument.network().force(k));
-      balance.rounding_j += std::numeric_limits<double>::epsilon() * force *
-                            (std::abs(solver[k].free_increment) + solver.admittance(k, k) * force);
-    }
-    const int steps = instrument.network().solver().steps();
+    for (std::size_t k = 0; k < arrays.connections.size(); ++k)
+      if (arrays.connections[k].kind == ConnectionKind::kFriction) balance.rounding_j += instrument.rounding_j(k);
+    const int steps = instrument.steps();
     balance.solved += steps > 0;
     balance.steps += static_cast<std::size_t>(steps);
     balance.largest_steps = std::max(balance.largest_steps, steps);
   }
-  balance.bounded = instrument.network().solver().bounded();
+  balance.bounded = instrument.bounded();
   return balance;
 }
 
@@ -123,7 +118,7 @@ TEST(StretchingInstrument, KeepsItsEnergyToRounding) {
   EXPECT_EQ(balance.bounded, 0U);
 
   const InstrumentArrays arrays = instrument_arrays(*score.voices.front().model, 44100);
-  NetworkInstrument<double> at_rest(arrays.view(), 44100);
+  BySample<double> at_rest(arrays.view(), 44100);
   ASSERT_FALSE(arrays.holds.empty());
   for (int n = 0; n < 1000; ++n) at_rest.tick();
   EXPECT_TRUE(within(at_rest.output(0), 0, 1e-9));

@@ -6,24 +6,18 @@
 
 #include <memory>
 
-#include "contactspline/instrument/network_instrument.hpp"
-#include "contactspline/instruments/marimba.hpp"
 #include "contactspline/instruments/prepared_piano.hpp"
 #include "contactspline/instruments/slap_bass.hpp"
-#include "contactspline/instruments/snare.hpp"
-#include "contactspline/instruments/tanpura.hpp"
-#include "contactspline/instruments/tom.hpp"
 #include "contactspline/instruments/trichord_c4.hpp"
 #include "contactspline/models/hammer_string.hpp"
 #include "generator/instrument/instrument_reader.hpp"
-#include "generator/player/score_player.hpp"
-#include "generator/player/score_reader.hpp"
-#include "generator/player/voice_tracks.hpp"
 #include "generator/spline/design.hpp"
 #include "generator/support/embedded_files.hpp"
+#include "support/by_sample.hpp"
 #include "support/compare.hpp"
 #include "support/count_allocations.hpp"
 #include "support/precisions.hpp"
+#include "support/seen_network.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -34,8 +28,12 @@ std::string_view shipped_text(Shipped folder, const std::string& name) {
   return find_embedded(folder, name + ".json")->content;
 }
 
-Score shipped_score(const std::string& name) {
-  return parse_score(shipped_text(Shipped::kScores, name), name, shipped_file);
+// As the engine has compiled it, at the rate.
+template <typename I>
+Handle<typename I::value_type> prepared() {
+  auto instrument = compiled<I>();
+  instrument->prepare(kRate);
+  return instrument;
 }
 
 // A hammer on a string as a file is the hammer-string: the same contact step on the same modes. Only sums are added
@@ -54,7 +52,7 @@ TEST(InstrumentFile, OfAHammerStringIsTheHammerString) {
   })",
                                                  "probe.json");
   const InstrumentArrays arrays = arrays_of(model, kRate / 2);
-  NetworkInstrument<double> instrument(arrays.view(), kRate);
+  BySample<double> instrument(arrays.view(), kRate);
 
   // The same numbers: those of the arrays, which are rounded to 13 digits. Shapes: the hammer's, then three places.
   const std::size_t count = arrays.body_ends[0];
@@ -86,133 +84,71 @@ TEST(InstrumentFile, OfAHammerStringIsTheHammerString) {
         << i;
 }
 
-// Drives a voice of the emitted class, without its keys, by one of a score, and compares its first output with what
-// `render` plays, bit by bit.
-template <typename Emitted>
-void expect_same_as_render(const std::string& score_name) {
-  Score score = shipped_score(score_name);
-  score.duration_s = 0.75;
-  for (std::size_t v = 0; v < score.voices.size(); ++v)
-    if (score.voices[v].pan != 0 || score.voices.size() > 1) score.voices[v].pan = 0;
-  std::size_t voice = 0;  // one that is not retuned
-  while (score_name == "tanpura_drone" && score.voices[voice].name != "sa") ++voice;
-  const Voice& played = score.voices[voice];
-  PlayOptions options{kRate};
-  options.only_voice = voice;
-  const Performance expected = play(score, options, [](double) {});
-
-  const auto emitted = std::make_unique<NetworkInstrument<double>>(Emitted::data::view(), kRate);
-  ControlTrack controls(played, kRate);
-  StrikeTrack strikes(played.strikes, kRate);
-  double largest = 0;
-  for (std::size_t n = 0; n < expected.samples.size(); ++n) {
-    const auto values = controls.at(n);
-    for (std::size_t i = 0; i < values.size(); ++i) emitted->set(i, values[i]);
-    while (const auto* change = strikes.next_until(n))
-      emitted->strike(change->strike->strike, change->strike->speed_m_per_s);
-    double sample = 0;
-    emitted->process(std::span(&sample, 1));
-    ASSERT_EQ(static_cast<float>(sample), expected.samples[n]) << n;
-    largest = std::max(largest, std::abs(sample));
-  }
-  EXPECT_GT(largest, 1e-3);
-}
-
-TEST(EmittedClass, PlaysTheSamplesOfRender) {
-  expect_same_as_render<instruments::trichord_c4<>>("trichord_blows");
-  expect_same_as_render<instruments::slap_bass<>>("slap_line");
-  expect_same_as_render<instruments::prepared_piano<>>("prepared_notes");
-  expect_same_as_render<instruments::snare<>>("snare_roll");
-  expect_same_as_render<instruments::tom<>>("tom_pattern");
-}
-
-TEST(EmittedClass, PlaysTheSamplesOfRenderForAPluck) {
-  NetworkInstrument<double> emitted(instruments::tanpura<>::data::view(), kRate);
-  Score score = parse_score(R"({ "instrument": "tanpura", "duration_s": 0.5,
-      "events": [ { "time_s": 0, "finger_force_n": 0.4 }, { "time_s": 0.01, "finger_force_n": 0 },
-                  { "time_s": 0.2, "bridge_gap_shift_m": -1e-6, "hand_damping_per_s": 3 } ] })",
-                            "probe.json", shipped_file);
-  const Performance expected = play(score, {kRate}, [](double) {});
-  for (std::size_t n = 0; n < expected.samples.size(); ++n) {
-    if (n == 0) emitted.set(0, 0.4);
-    if (n == 441) emitted.set(0, 0);
-    if (n == 8820) emitted.set(2, -1e-6);
-    if (n == 8820) emitted.set(1, 3);
-    emitted.tick();
-    ASSERT_EQ(static_cast<float>(emitted.output(0)), expected.samples[n]) << n;
-  }
-}
-
-TEST(EmittedClass, NamesItsStrikesAndOutputs) {
-  instruments::trichord_c4<> named(kRate), numbered(kRate);
-  named.strike_hammer(3);
-  numbered.strike(0, 3);
-  double largest_hammer_force = 0;
-  for (int n = 0; n < 2000; ++n) {
-    named.tick();
-    numbered.tick();
-    ASSERT_EQ(named.bridge_force_n(), numbered.output(0));
-    ASSERT_EQ(named.soundboard_velocity_m_per_s(), numbered.output(1));
-    ASSERT_EQ(named.hammer_force_n(), numbered.output(2));
-    largest_hammer_force = std::max(largest_hammer_force, named.hammer_force_n());
-    ASSERT_EQ(named.hammer_force_n(), named.contact_force());
-  }
-  EXPECT_GT(largest_hammer_force, 10);
-}
-
 CONTACTSPLINE_EACH_PRECISION(EveryPrecision);
 
 TYPED_TEST(EveryPrecision, AllocatesNothingAfterConstruction) {
   using T = TypeParam;
-  instruments::prepared_piano<T> instrument(kRate);
+  const auto instrument = prepared<instruments::prepared_piano<T>>();
+  const auto number = [](std::string_view name) {
+    const auto& all = instruments::prepared_piano<T>::data::parameters;
+    const auto found = std::ranges::find(all, name, &Parameter::name);
+    EXPECT_NE(found, all.end()) << name;
+    return static_cast<std::size_t>(found - all.begin());
+  };
+  const std::array<std::pair<std::size_t, double>, 5> moved = {{{number("play_gap_shift_m"), -1e-4},
+                                                                {number("screw_stiffness_n_per_m"), 1e5},
+                                                                {number("bolt_loss_s_per_m"), 0.5},
+                                                                {number("damper_damping_per_s"), 20},
+                                                                {number("weight_force_n"), 0.1}}};
   std::vector<T> block(2000);
+  const std::array<std::span<T>, 2> outputs = {block, {}};
+  ASSERT_EQ(instrument->outputs().size(), 2U);
   const std::size_t before = allocations;
-  instrument.strike_hammer(3);
-  instrument.process(block);
-  instrument.set_play_gap_shift_m(T(-1e-4));
-  instrument.set_screw_stiffness_n_per_m(T(1e5));
-  instrument.set_bolt_loss_s_per_m(T(0.5));
-  instrument.set_damper_damping_per_s(20);
-  instrument.set_weight_force_n(T(0.1));
-  instrument.process(block);
+  instrument->strike(0, 3);
+  instrument->process(outputs, {});
+  for (const auto& [parameter, value] : moved) instrument->set(parameter, value);
+  instrument->process(outputs, {});
   EXPECT_EQ(allocations, before);
   EXPECT_TRUE(all_finite(block));
 }
 
 // The precision of the state changes the sound little before collisions have amplified it.
 TEST(EmittedClass, SoundsAlikeInSinglePrecision) {
-  instruments::trichord_c4<float> single(kRate);
-  instruments::trichord_c4<double> exact(kRate);
-  single.strike_hammer(3);
-  exact.strike_hammer(3);
+  BySample<float> single(compiled<instruments::trichord_c4<float>>(), kRate);
+  BySample<double> exact(compiled<instruments::trichord_c4<double>>(), kRate);
+  single.strike(0, 3);
+  exact.strike(0, 3);
   std::vector<double> actual, expected;
   for (int n = 0; n < 4410; ++n) {
     single.tick();
     exact.tick();
-    actual.push_back(double(single.bridge_force_n()));
-    expected.push_back(exact.bridge_force_n());
+    actual.push_back(double(single.output(0)));
+    expected.push_back(exact.output(0));
   }
   EXPECT_TRUE(sequences_within(std::span<const double>(actual), std::span<const double>(expected), 0.02));
 }
 
 TEST(NetworkInstrument, DoesNoWorkUntilItIsPlayed) {
-  instruments::slap_bass<> instrument(kRate);
+  BySample<double> instrument(compiled<instruments::slap_bass<>>(), kRate);
   instrument.tick();
   EXPECT_EQ(instrument.work(), 0);
 }
 
 // Controls that are not numbers do nothing; reset() brings an instrument to where it began.
 TEST(NetworkInstrument, ResetsAndIgnoresWhatIsNoNumber) {
-  instruments::slap_bass<> instrument(kRate);
+  BySample<double> instrument(compiled<instruments::slap_bass<>>(), kRate);
   const auto played = [&] {
-    std::vector<double> sound(4410);
-    instrument.strike_thumb(4);
-    instrument.process(sound);
+    std::vector<double> sound;
+    instrument.strike(0, 4);
+    for (int n = 0; n < 4410; ++n) {
+      instrument.tick();
+      sound.push_back(instrument.output(0));
+    }
     return sound;
   };
   const auto first = played();
-  instrument.set_press_2_force_n(std::numeric_limits<double>::quiet_NaN());
-  instrument.set_action_gap_shift_m(std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t p = 0; p < instrument.parameters().size(); ++p)
+    instrument.set(p, std::numeric_limits<double>::quiet_NaN());
   instrument.reset();
   EXPECT_EQ(instrument.energy(), 0);
   EXPECT_EQ(played(), first);
@@ -221,7 +157,7 @@ TEST(NetworkInstrument, ResetsAndIgnoresWhatIsNoNumber) {
 // A control keeps the value that acts: within the range of its quantity.
 TEST(NetworkInstrument, MovesControlsIntoTheirRange) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  instruments::prepared_piano<> instrument(kRate);
+  BySample<double> instrument(compiled<instruments::prepared_piano<>>(), kRate);
   const auto controls = instrument.parameters();
   ASSERT_GE(controls.size(), 5U);
   for (std::size_t i = 0; i < controls.size(); ++i) {
@@ -258,12 +194,12 @@ TEST(NetworkInstrument, LimitsAShiftedGapFromTheBeginning) {
     for (const auto& [shift, gap] : {std::pair(0.03, 0.08), {0.09, 0.1}, {5.0, 0.1}, {-0.1, -0.05}}) {
       const double energy = (gap + moved) * (gap + moved) / 2;
       arrays.parameters[0].initial = 0;
-      NetworkInstrument<double> later(arrays.view(), kRate);
+      BySample<double> later(arrays.view(), kRate);
       later.set(0, shift);
       for (int n = 0; n < 0.2 * kRate; ++n) later.tick();
       EXPECT_TRUE(within(later.energy(), energy, 5e-9)) << shift << ' ' << moved;
       arrays.parameters[0].initial = shift;
-      const NetworkInstrument<double> at_first(arrays.view(), kRate);
+      const BySample<double> at_first(arrays.view(), kRate);
       EXPECT_TRUE(relatively_within(at_first.energy(), energy, 1e-14)) << shift << ' ' << moved;
       EXPECT_EQ(at_first.value(0), later.value(0));
     }
@@ -271,7 +207,7 @@ TEST(NetworkInstrument, LimitsAShiftedGapFromTheBeginning) {
   // At its limit from the beginning, it is relaxed there, and stays.
   model.parameters[0].initial = 0.05;
   const InstrumentArrays at_limit = arrays_of(model, kRate / 2);
-  NetworkInstrument<double> instrument(at_limit.view(), kRate);
+  BySample<double> instrument(at_limit.view(), kRate);
   instrument.set(0, 5);
   for (int n = 0; n < 0.2 * kRate; ++n) instrument.tick();
   EXPECT_TRUE(within(instrument.energy(), 0, 1e-30));
@@ -318,7 +254,7 @@ TEST(InstrumentFile, BeginsAtItsStaticEquilibrium) {
         EXPECT_TRUE(relatively_within(arrays.holds[0].force_n, -load / 2, 1e-12));
       }
       for (const double rate : {kRate, 4 * kRate}) {
-        NetworkInstrument<double> instrument(arrays.view(), rate);
+        BySample<double> instrument(arrays.view(), rate);
         for (int n = 0; n < 1000; ++n) {
           instrument.tick();
           for (std::size_t o = 0; o < 3; ++o) ASSERT_TRUE(within(instrument.output(o), 0, 1e-7)) << o << ' ' << n;
@@ -339,7 +275,7 @@ TEST(InstrumentFile, IsSilentUnderTheForceOfTheFile) {
   })",
                                                  "probe.json");
   const InstrumentArrays arrays = arrays_of(model, kRate / 2);
-  NetworkInstrument<double> instrument(arrays.view(), kRate);
+  BySample<double> instrument(arrays.view(), kRate);
   for (int n = 0; n < 100; ++n) instrument.tick();
   EXPECT_EQ(instrument.output(0), 0);
   EXPECT_TRUE(instrument.is_silent(1e-30));
@@ -362,7 +298,7 @@ TEST(InstrumentFile, IsSilentUnderAForceBeyondTheRangeOfPushes) {
   const InstrumentArrays arrays = arrays_of(model, kRate / 2);
   ASSERT_EQ(arrays.holds.size(), 1U);
   EXPECT_GT(std::abs(arrays.holds[0].force_n), 40000);
-  NetworkInstrument<double> instrument(arrays.view(), kRate);
+  BySample<double> instrument(arrays.view(), kRate);
   for (int n = 0; n < 1000; ++n) {
     instrument.tick();
     ASSERT_TRUE(within(instrument.output(0), 0, 1e-12)) << n;
@@ -376,16 +312,15 @@ TEST(InstrumentFile, BeginsAtDisplacement0WhereNothingHolds) {
     "bodies": [ { "name": "free", "mass_kg": 0.01 } ],
     "contacts": [ { "name": "wall", "between": ["free", "ground"], "material": "felt_c4", "gap_m": 0.001 } ],
     "controls": [ { "name": "pull", "force_n": "free", "initial": -1, "min": -10 } ],
-    "outputs": [ { "name": "wall", "force_n": "wall" } ]
+    "outputs": [ { "name": "free", "displacement_m": "free" } ]
   })",
                                                  "probe.json");
   const InstrumentArrays arrays = arrays_of(model, kRate / 2);
   EXPECT_EQ(arrays.connections[0].gap_m, 0.001);
   EXPECT_TRUE(arrays.holds.empty());
-  NetworkInstrument<double> instrument(arrays.view(), kRate);
+  BySample<double> instrument(arrays.view(), kRate);
   instrument.tick();
-  EXPECT_TRUE(relatively_within(instrument.network().body(0).displacement(std::size_t{0}), -100 / (2 * kRate * kRate),
-                                1e-12));
+  EXPECT_TRUE(relatively_within(instrument.output(0), -100 / (2 * kRate * kRate), 1e-12));
 }
 
 // A control sets what it is for, and its first value is that of the file.
@@ -424,10 +359,10 @@ TEST(InstrumentFile, MeasuresADiameterThroughTheCentre) {
 
 // The pitch of the trichord: its strings are held where they cross the bridge, within 4 cents.
 TEST(ShippedInstruments, TheTrichordSoundsAtC4) {
-  instruments::trichord_c4<> trichord(kRate);
-  trichord.strike_hammer(1);
+  const auto trichord = prepared<instruments::trichord_c4<>>();
+  trichord->strike(0, 1);
   std::vector<double> sound(44100);
-  trichord.process(sound);
+  trichord->process(std::array<std::span<double>, 3>{sound, {}, {}}, {});
   double loudest = 0, found_hz = 0;
   for (double f = 255; f < 268; f += 0.1) {
     double re = 0, im = 0;
@@ -452,9 +387,7 @@ bool is_in_double(const std::string& spring, const std::string& controls) {
                            spring + " } ], " + controls + R"("strikes": ["weight"],
     "outputs": [ { "name": "weight", "displacement_m": "weight" } ] })";
   const InstrumentArrays arrays = arrays_of(parse_instrument(text, "weight.json"), kRate / 2);
-  NetworkInstrument<float> instrument(arrays.view());
-  instrument.prepare(kRate);
-  return instrument.is_in_double();
+  return SeenNetwork<float>(arrays.view(), kRate).is_in_double();
 }
 
 TEST(InstrumentInSinglePrecision, IsInDoubleWhereASpringMayBeStrainedAtRest) {

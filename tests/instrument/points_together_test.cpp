@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "contactspline/instrument/network_instrument.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "support/compare.hpp"
+#include "support/seen_network.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -52,7 +52,7 @@ struct Probe {
   }
 
   InstrumentArrays arrays;
-  NetworkInstrument<double> instrument;
+  SeenNetwork<double> instrument;
 };
 
 // Points of friction at one place share force, width and heat, so they are one point. A contact of four points is
@@ -78,7 +78,7 @@ TEST(PointsTogether, KeepTheirDistances) {
   EXPECT_TRUE(within(place.initial, 0.286, 1e-15));
   EXPECT_TRUE(within(place.allowed.min, 0.006, 1e-15));
   EXPECT_TRUE(within(place.allowed.max, 0.325 - 0.007, 1e-15));
-  const auto& network = probe.instrument.network();
+  const auto& network = probe.instrument;
   double balance = probe.instrument.energy(), largest = 0;
   for (int n = 0; n < 22050; ++n) {
     if (n == 4410) probe.instrument.set(2, 0.1);
@@ -109,7 +109,7 @@ TEST(PointsTogether, ArePutWhereTheyArePressed) {
                    { "name": "rub")",
         " ],\n    \"controls\"");
   const InstrumentArrays arrays = arrays_of(parse_instrument(text, "probe.json"), kRate / 2);
-  NetworkInstrument<double> instrument(arrays.view(), kRate);
+  SeenNetwork<double> instrument(arrays.view(), kRate);
   double balance = instrument.energy(), largest = 0;
   const auto play = [&](int samples) {
     for (int n = 0; n < samples; ++n) {
@@ -123,10 +123,10 @@ TEST(PointsTogether, ArePutWhereTheyArePressed) {
   play(1);  // the bristles let go
   instrument.set(2, 0.2);
   play(100);
-  EXPECT_TRUE(within(instrument.network().place_m(1), 0.285, 1e-12));
+  EXPECT_TRUE(within(instrument.place_m(1), 0.285, 1e-12));
   instrument.set(0, 0.3);
   play(1);
-  EXPECT_TRUE(within(instrument.network().place_m(1), 0.2 - 0.001, 1e-12));
+  EXPECT_TRUE(within(instrument.place_m(1), 0.2 - 0.001, 1e-12));
   play(4410);
   EXPECT_GT(largest, 1e-6);
   EXPECT_TRUE(within(instrument.energy(), balance, 1e-11 * largest));

@@ -8,12 +8,12 @@
 #include <random>
 #include <vector>
 
-#include "contactspline/instrument/network_instrument.hpp"
 #include "contactspline/materials/felt_c4.hpp"
 #include "contactspline/materials/mb1.hpp"
 #include "contactspline/materials/rubber_on_wood.hpp"
 #include "contactspline/materials/steel_ball_on_plate.hpp"
 #include "contactspline/materials/steel_on_steel.hpp"
+#include "support/by_sample.hpp"
 #include "support/compare.hpp"
 
 namespace contactspline::testing {
@@ -176,7 +176,7 @@ class RandomInstrument {
 // The largest energy over 2,000 samples with strikes, as a part of what was put in so far; infinite if not finite.
 template <typename T>
 double largest_energy(const RandomInstrument& random_instrument, double rate, Random random) {
-  NetworkInstrument<T> instrument(random_instrument.view(), rate);
+  BySample<T> instrument(random_instrument.view(), rate);
   double put_in = instrument.energy(), largest = 0;
   for (int n = 0; n < 2000; ++n) {
     if (random_instrument.strikes() > 0 && n % 512 == 0)

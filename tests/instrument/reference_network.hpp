@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "contactspline/instrument/network_instrument.hpp"  // the structs of its numbers
+#include "contactspline/data/instrument_data.hpp"
 
 namespace contactspline::testing {
 

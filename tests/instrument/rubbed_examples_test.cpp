@@ -7,13 +7,13 @@
 #include <numbers>
 #include <numeric>
 
-#include "contactspline/instrument/network_instrument.hpp"
 #include "generator/player/instrument_parts.hpp"
 #include "generator/player/score_reader.hpp"
 #include "generator/player/voice_tracks.hpp"
 #include "generator/support/input_file.hpp"
 #include "support/compare.hpp"
 #include "support/measured.hpp"
+#include "support/seen_network.hpp"
 #include "support/spectrum.hpp"
 
 namespace contactspline::testing {
@@ -29,7 +29,7 @@ struct Rubbed {
                                     [&](const std::string& path) { return read_input(folder + path); });
     const Voice& voice = score.voices.front();
     arrays = instrument_arrays(*voice.model, kRate);
-    NetworkInstrument<double> instrument(arrays.view(), kRate);
+    SeenNetwork<double> instrument(arrays.view(), kRate);
     ControlTrack controls(voice, kRate);
     const std::size_t friction = arrays.connections.size() - 1;
     double balance = instrument.energy();
@@ -40,19 +40,14 @@ struct Rubbed {
       balance += instrument.work() - instrument.dissipated();
       imbalance = std::max(imbalance, std::abs(instrument.energy() - balance));
       energy = std::max(energy, instrument.energy());
-      const auto& solver = instrument.network().solver();
-      for (std::size_t k = 0; k < arrays.connections.size(); ++k) {
-        if (arrays.connections[k].kind != ConnectionKind::kFriction && arrays.connections[k].roughness.height_m == 0)
-          continue;
-        const double force = std::abs(instrument.network().force(k));
-        rounding += std::numeric_limits<double>::epsilon() * force *
-                    (std::abs(solver[k].free_increment) + solver.admittance(k, k) * force);
-      }
+      for (std::size_t k = 0; k < arrays.connections.size(); ++k)
+        if (arrays.connections[k].kind == ConnectionKind::kFriction || arrays.connections[k].roughness.height_m != 0)
+          rounding += instrument.rounding_j(k);
       sound.push_back(instrument.output(0));
       second.push_back(instrument.output(1));
-      slip_m_per_s.push_back(instrument.network().slip(friction) * kRate);
+      slip_m_per_s.push_back(instrument.slip(friction) * kRate);
     }
-    bounded = instrument.network().solver().bounded();
+    bounded = instrument.bounded();
   }
 
   static std::size_t at(double time_s) { return static_cast<std::size_t>(time_s * kRate); }
@@ -162,7 +157,7 @@ TEST(RubbedExamples, JerkOfAWheelMakesItsChienBuzz) {
 TEST(RoughExamples, FingerSqueaksOnAWoundString) {
   const Rubbed played("wound_string");
   played.expect_sane();
-  NetworkInstrument<double> guitar(played.arrays.view(), kRate);
+  BySample<double> guitar(played.arrays.view(), kRate);
   const auto number = [&](std::string_view name) {
     const auto found = std::ranges::find(guitar.parameters(), name, &Parameter::name);
     return static_cast<std::size_t>(found - guitar.parameters().begin());

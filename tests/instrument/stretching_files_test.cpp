@@ -9,12 +9,12 @@
 #include <numbers>
 #include <vector>
 
-#include "contactspline/instrument/network_instrument.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/support/input_file.hpp"
 #include "slack_string.hpp"
 #include "support/compare.hpp"
 #include "support/measured.hpp"
+#include "support/seen_network.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -26,50 +26,6 @@ double pull(int n) {
   return n < 441 ? 0.3 * n / 441 : 0;
 }
 
-// The string of slack_string.json, with its form and the force on its far support, -(T + dT) u' + EI u''', by hand.
-// T is 6.35 N, EI 8e-5 N m^2; dT = E S/(2 L) times the integral of u'^2. The arrays have 13 digits.
-TEST(StretchingFile, PlaysAStringAsANetworkByHand) {
-  constexpr double kLength = 0.65, kTension = 6.35, kBending = 8e-5, kAxial = 2e11 * kPi / 4 * 3e-4 * 3e-4;
-  const InstrumentArrays arrays =
-      arrays_of(parse_instrument(read_input(EXAMPLES_FOLDER "/slack_string.json"), "slack_string.json"), kRate / 2);
-  NetworkInstrument<double> instrument(arrays.view(), kRate);
-  StretchForm form{kAxial * kLength / 8, {}};
-  std::vector<double> plucked, pickup, wavenumbers;
-  for (std::size_t i = 0; i < arrays.masses.size(); ++i) {
-    wavenumbers.push_back(static_cast<double>(i + 1) * kPi / kLength);
-    form.squares_per_m2.push_back(wavenumbers[i] * wavenumbers[i]);
-    plucked.push_back(std::sin(wavenumbers[i] * 0.13));
-    pickup.push_back(std::sin(wavenumbers[i] * 0.06));
-  }
-  NetworkPlan<double> plan;
-  const std::size_t string = plan.add_body(arrays.view().modes(), std::vector{form});
-  const std::size_t finger = plan.add_place(string, plucked);
-  ContactNetwork<double> network(plan, kRate);
-  const ModeShapes<double> heard = network.body(string).sound_pickup(pickup);
-  std::vector<double> actual[2], expected[2];
-  double highest = 0;
-  for (int n = 0; n < 8820; ++n) {
-    instrument.set(0, pull(n));
-    instrument.tick();
-    network.push(finger, pull(n));
-    network.tick();
-    double rise = 0, end = 0;
-    for (std::size_t i = 0; i < wavenumbers.size(); ++i)
-      rise += kAxial / 4 * form.squares_per_m2[i] * std::pow(network.body(string).displacement(i), 2);
-    for (std::size_t i = 0; i < wavenumbers.size(); ++i)
-      end -= wavenumbers[i] * (kTension + rise + kBending * form.squares_per_m2[i]) * (i % 2 == 0 ? -1 : 1) *
-             network.body(string).sound_shape(i, network.body(string).displacement(i));
-    highest = std::max(highest, rise / kTension);
-    for (std::size_t o = 0; o < 2; ++o) actual[o].push_back(instrument.output(o));
-    expected[0].push_back(network.body(string).displacement(heard));
-    expected[1].push_back(end);
-  }
-  Measured() << "the tension rises by " << 100 * highest << " %";
-  EXPECT_GT(highest, 0.2);
-  for (std::size_t o = 0; o < 2; ++o)
-    EXPECT_TRUE(sequences_within<double>(actual[o], expected[o], 1e-9)) << arrays.outputs[o].name;
-}
-
 // The string of bass_string.json, with tension and force at its far support by the strain there: E S (u' + y'^2/2) is
 // added to the tension. Without its longitudinal modes nothing would move its third mode, which has a node where the
 // hammer is moved to; the first products of two of the others do.
@@ -79,10 +35,10 @@ TEST(StretchingFile, PlaysAStringThatMovesAlongItself) {
   InstrumentModel model = parse_instrument(read_input(EXAMPLES_FOLDER "/bass_string.json"), "bass_string.json");
   model.places[1].points[0].position_m = kLength / 3;
   const InstrumentArrays arrays = arrays_of(model, kRate / 2);
-  NetworkInstrument<double> instrument(arrays.view(), kRate);
+  SeenNetwork<double> instrument(arrays.view(), kRate);
   instrument.strike(0, 5);
-  const auto& string = instrument.network().body(0);
-  const std::size_t transverse = string.size() - kAlong;
+  const auto displacement = [&](std::size_t mode) { return instrument.displacements(0)[mode]; };
+  const std::size_t transverse = instrument.displacements(0).size() - kAlong;
   std::vector<double> actual[2], expected[2];
   double highest = 0, third = 0, fourth = 0;
   for (int n = 0; n < 8820; ++n) {
@@ -92,7 +48,7 @@ TEST(StretchingFile, PlaysAStringThatMovesAlongItself) {
     const auto slope = [&](std::size_t number) {
       return number < 1 || number > transverse
                  ? 0
-                 : static_cast<double>(number) * kPi / kLength * string.displacement(number - 1);
+                 : static_cast<double>(number) * kPi / kLength * displacement(number - 1);
     };
     double strain = 0, end = 0;
     for (std::size_t m = 0; m <= kAlong; ++m) {
@@ -101,19 +57,18 @@ TEST(StretchingFile, PlaysAStringThatMovesAlongItself) {
         d += slope(i) * slope(i + m) / (m == 0 ? 2 : 1);
         if (i < m) d += slope(i) * slope(m - i) / 2;
       }
-      const double own =
-          m == 0 ? 0 : static_cast<double>(m) * kPi / kLength * string.displacement(transverse + m - 1);
+      const double own = m == 0 ? 0 : static_cast<double>(m) * kPi / kLength * displacement(transverse + m - 1);
       strain += (m % 2 == 0 ? 1 : -1) * (own + d / 2);
     }
     const double rise = kAxial * strain;
     for (std::size_t i = 0; i < transverse; ++i) {
       const double wavenumber = static_cast<double>(i + 1) * kPi / kLength;
       end -= wavenumber * (kTension + rise + kBending * wavenumber * wavenumber) * (i % 2 == 0 ? -1 : 1) *
-             string.sound_shape(i, string.displacement(i));
+             instrument.sound_shape(0, i, displacement(i));
     }
     highest = std::max(highest, std::abs(rise) / kTension);
-    third = std::max(third, std::abs(string.displacement(std::size_t{2})));
-    fourth = std::max(fourth, std::abs(string.displacement(std::size_t{3})));
+    third = std::max(third, std::abs(displacement(2)));
+    fourth = std::max(fourth, std::abs(displacement(3)));
     for (std::size_t o = 0; o < 2; ++o) actual[o].push_back(instrument.output(o));
     expected[0].push_back(end);
     expected[1].push_back(rise);
@@ -132,7 +87,7 @@ TEST(StretchingFile, HearsNothingOfLongitudinalModesThatStop) {
     InstrumentModel model = parse_instrument(read_input(EXAMPLES_FOLDER "/bass_string.json"), "bass_string.json");
     model.bodies[0].longitudinal = modes;
     const InstrumentArrays arrays = arrays_of(model, 4000);
-    NetworkInstrument<double> instrument(arrays.view(), 8000);
+    BySample<double> instrument(arrays.view(), 8000);
     instrument.strike(0, 5);
     std::array<std::vector<double>, 2> heard;
     for (int n = 0; n < 2000; ++n) {
@@ -165,7 +120,7 @@ TEST(StretchingFile, HasPhantomPartialsInTensionAndForce) {
     InstrumentModel model = parse_instrument(read_input(EXAMPLES_FOLDER "/bass_string.json"), "bass_string.json");
     model.bodies[0].longitudinal = longitudinal;
     const InstrumentArrays arrays = arrays_of(model, kRate / 2);
-    NetworkInstrument<double> instrument(arrays.view(), kRate);
+    BySample<double> instrument(arrays.view(), kRate);
     instrument.strike(0, 5);
     std::array<std::vector<double>, 2> sounds;
     for (int n = 0; n < 2 * int(kRate); ++n) {
@@ -192,11 +147,11 @@ TEST(StretchingFile, HasPhantomPartialsInTensionAndForce) {
 TEST(StretchingFile, PlaysAsItsClass) {
   const InstrumentArrays arrays =
       arrays_of(parse_instrument(read_input(EXAMPLES_FOLDER "/slack_string.json"), "slack_string.json"), kRate / 2);
-  NetworkInstrument<double> of_file(arrays.view(), kRate);
-  instruments::slack_string<double> of_class(kRate);
+  BySample<double> of_file(arrays.view(), kRate);
+  BySample<double> of_class(instruments::slack_string<double>::data::view(), kRate);
   for (int n = 0; n < 2000; ++n) {
     of_file.set(0, pull(n));
-    of_class.set_finger_force_n(pull(n));
+    of_class.set(0, pull(n));
     of_file.tick();
     of_class.tick();
     ASSERT_EQ(of_file.output(0), of_class.output(0)) << n;
@@ -250,12 +205,12 @@ double cents(double ratio) {
 // frequencies and by that the phase by up to r/4/(2 1.59) = 0.079 r: at both ends of four periods this is 11 cents r.
 double fall_of_tom(const InstrumentModel& model, double speed_m_per_s) {
   const InstrumentArrays arrays = arrays_of(model, kRate / 2);
-  NetworkInstrument<double> tom(arrays.view(), kRate);
+  SeenNetwork<double> tom(arrays.view(), kRate);
   tom.strike(0, speed_m_per_s);
   std::vector<std::vector<double>> motion;  // of the modes
   for (int n = 0; n < 0.35 * kRate; ++n) {
     tom.tick();
-    const auto displacements = tom.network().body(0).displacements();
+    const auto displacements = tom.displacements(0);
     motion.emplace_back(displacements.begin(), displacements.end());
   }
   const Pitch early = pitch_of(motion, arrays, 0.02), late = pitch_of(motion, arrays, 0.3);
@@ -311,8 +266,8 @@ TEST(StretchingFile, HasTheFormsOfItsPlate) {
 }
 
 // Of the forms of the first body.
-double stretching_energy(const InstrumentArrays& arrays, const NetworkInstrument<double>& instrument) {
-  const auto q = instrument.network().body(0).displacements();
+double stretching_energy(const InstrumentArrays& arrays, const SeenNetwork<double>& instrument) {
+  const auto q = instrument.displacements(0);
   double energy = 0;
   std::size_t square = 0, product = 0;
   for (const InstrumentForm& form : arrays.stretch_forms) {
@@ -348,7 +303,7 @@ std::vector<double> turned_gong(double angle) {
   }})",
                                        angle, 2 + angle, 0.5 + angle);
   const InstrumentArrays arrays = arrays_of(parse_instrument(text, "turned.json"), kRate / 2);
-  NetworkInstrument<double> gong(arrays.view(), kRate);
+  SeenNetwork<double> gong(arrays.view(), kRate);
   gong.strike(0, 3);
   std::vector<double> heard;
   double highest_in_stretching = 0;

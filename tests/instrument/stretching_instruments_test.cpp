@@ -10,13 +10,13 @@
 #include <vector>
 
 #include "../runtime/stretch_terms.hpp"
-#include "contactspline/instrument/network_instrument.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/support/input_file.hpp"
 #include "support/compare.hpp"
 #include "support/finite.hpp"
 #include "support/measured.hpp"
 #include "support/random.hpp"
+#include "support/seen_network.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -130,10 +130,10 @@ class Stretching {
  public:
   explicit Stretching(std::vector<std::vector<StretchForm>> forms) : forms_(std::move(forms)), last_(forms_.size()) {}
 
-  void follow(const NetworkInstrument<T>& instrument) {
+  void follow(const SeenNetwork<T>& instrument) {
     stored = of_terms = 0;
     for (std::size_t b = 0; b < forms_.size(); ++b) {
-      const auto now = instrument.network().body(b).displacements();
+      const auto now = instrument.displacements(b);
       std::vector<double>& before = last_[b];
       before.resize(now.size());
       of_terms += energy_of_terms<T>(forms_[b], now);
@@ -173,7 +173,7 @@ std::vector<std::vector<StretchForm>> forms_of(const InstrumentArrays& arrays) {
 template <typename T>
 Balance balance_of(const InstrumentArrays& arrays, double rate, double speed_m_per_s, int samples) {
   Stretching<T> stretching(forms_of(arrays));
-  NetworkInstrument<T> instrument(arrays.view(), rate);
+  SeenNetwork<T> instrument(arrays.view(), rate);
   long double received = instrument.energy();
   instrument.strike(0, static_cast<T>(speed_m_per_s));
   double peak = 0, of_terms = 0;
@@ -191,7 +191,7 @@ Balance balance_of(const InstrumentArrays& arrays, double rate, double speed_m_p
   }
   balance.error /= peak;
   balance.bound = rounding_bound<T>(samples, of_terms, peak);
-  EXPECT_EQ(instrument.network().solver().bounded(), 0U);
+  EXPECT_EQ(instrument.bounded(), 0U);
   return balance;
 }
 

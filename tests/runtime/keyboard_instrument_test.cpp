@@ -849,6 +849,28 @@ TEST(KeyboardInstrument, RingsInSympathy) {
   EXPECT_LT(piano.awake(), 25u);  // those without a damper
 }
 
+// Drums through the strings of a piano: they ring behind the push where the pedal has lifted their dampers, and also
+// where the push begins so softly that strings would have left the bridge.
+TEST(KeyboardInstrument, RingsUnderAnInput) {
+  constexpr std::size_t kBlow = 220;  // samples: below 200 Hz
+  std::vector<double> ringing;
+  for (const bool is_soft_before : {false, true})
+    for (const double sustain : {0, 1}) {
+      KeyboardInstrument<Piano, double> piano(kRate);
+      piano.set(KeyboardParameter::kSustain, sustain);
+      std::vector<double> input(88200, is_soft_before ? 1e-8 : 0);
+      for (std::size_t n = 0; n < kBlow; ++n)
+        input[44100 + n] = 50 * std::sin(std::numbers::pi * static_cast<double>(n) / kBlow);
+      std::vector<double> left(input.size());
+      const std::array<std::span<double>, 2> outputs = {left, {}};
+      piano.process(outputs, {}, input);
+      ringing.push_back(peak_of(std::span<const double>(left).last(11025)));
+      EXPECT_EQ(piano.awake() == 88, sustain > 0);
+    }
+  EXPECT_GT(ringing[1], 3 * ringing[0]);
+  EXPECT_TRUE(relatively_within(ringing[3], ringing[1], 1e-3));
+}
+
 // The emitted numbers are those of the resonator that ships, to the digits of the header.
 TEST(EmittedKeyboard, HoldsItsBody) {
   using Board = Piano::body;

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "band.hpp"
+#include "contactspline/host/engine.hpp"
 #include "contactspline/instrument/keyboard_instrument.hpp"
 #include "contactspline/instruments/trichord_c4.hpp"
 #include "contactspline/keyboards/piano.hpp"
@@ -227,22 +228,24 @@ Play contact_network() {
   };
 }
 
-// A class emitted for an instrument file, with contacts, rigid links and every call that an audio thread makes.
+// An instrument of a file, with contacts, rigid links and every call that an audio thread makes.
 template <typename T>
 Play network_instrument() {
   struct Parts {
-    instruments::trichord_c4<T> model{kRate};
-    std::vector<T> sound = std::vector<T>(512);
+    Parts() { model->prepare(kRate); }
+    Handle<T> model = compiled<instruments::trichord_c4<T>>();
+    std::vector<T> sound = std::vector<T>(513), force = sound;
+    std::array<std::span<T>, 3> outputs = {sound, sound, sound};
   };
   return [parts = std::make_shared<Parts>()] {
-    auto& model = parts->model;
-    for (int block = 0; block < 6; ++block) {
-      model.strike_hammer(T(block));
-      model.set_felt_stiffness_ratio(T(1 + block)), model.set_felt_loss_s_per_m(T(0.1)), model.set(2, T(block));
-      model.process(parts->sound);
-      model.tick();
-      (void)(model.output(1) + model.contact_force() + T(model.value(0)));
-      (void)(model.energy() + model.work() - model.dissipated());
+    auto& model = *parts->model;
+    for (std::size_t block = 0; block < 6; ++block) {
+      model.strike(0, T(block));
+      model.set(0, double(1 + block)), model.set(1, 0.1), model.set(2, double(block));
+      model.note_on(60, 0.5), model.note_off(60);
+      model.process(parts->outputs, parts->force);
+      (void)(model.value(0) + model.books().stored_j);
+      (void)(model.is_silent(1e-14) || model.is_at_rest(1e-14));
     }
     model.reset();
   };

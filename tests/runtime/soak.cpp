@@ -24,6 +24,7 @@
 #include "contactspline/models/mass_barrier.hpp"
 #include "random_controls.hpp"
 #include "shipped_instruments.hpp"
+#include "support/seen_network.hpp"
 
 namespace contactspline::testing {
 namespace {
@@ -401,18 +402,16 @@ std::function<void(Record&)> body(std::size_t held_for) {
 }
 
 /// An instrument of a file.
-template <typename Emitted, typename T>
-std::function<void(Record&)> instrument(std::size_t held_for) {
+template <typename T>
+std::function<void(Record&)> instrument(const InstrumentData& data, std::size_t held_for) {
   struct State {
-    std::unique_ptr<NetworkInstrument<T>> model = std::make_unique<NetworkInstrument<T>>(Emitted::data::view(), kHz);
+    SeenNetwork<T> model;
     RandomControls<T> random;
   };
-  auto s = std::make_shared<State>();
-  s->random = RandomControls<T>(held_for, seed());
-  return [s, held_for, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
+  auto s = std::make_shared<State>(State{{data, kHz}, RandomControls<T>(held_for, seed())});
+  return [s, data, held_for, take = std::shared_ptr<Take<T>>()](Record& record) mutable {
     if (!take) take = std::make_shared<Take<T>>(record);
-    auto& model = *s->model;
-    const InstrumentData data = Emitted::data::view();
+    auto& model = s->model;
     const auto rest = [&] {
       model.reset();
       take->restart();
@@ -430,7 +429,7 @@ std::function<void(Record&)> instrument(std::size_t held_for) {
       for (std::size_t i = 0; i < data.sources.size(); ++i) record.demand_finite(model.output(i));
       take->close(model.work() - model.dissipated(), model.energy());
     }
-    const std::size_t bounded = model.network().solver().bounded();
+    const std::size_t bounded = model.bounded();
     if (sizeof(T) == sizeof(double) && bounded > record.bounded) record.fault("coupled contacts did not converge");
     record.bounded = bounded;
   };
@@ -439,7 +438,9 @@ std::function<void(Record&)> instrument(std::size_t held_for) {
 template <typename... Emitted>
 void add_instruments(std::vector<Soaked>& models, const std::string& end, std::size_t held_for,
                      ::testing::Types<Emitted...> /*all*/) {
-  (models.emplace_back(Emitted().name() + end, instrument<Emitted, typename Emitted::value_type>(held_for)), ...);
+  (models.emplace_back(std::string(Emitted::data::view().name) + end,
+                       instrument<typename Emitted::value_type>(Emitted::data::view(), held_for)),
+   ...);
 }
 
 template <typename T>

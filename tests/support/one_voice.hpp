@@ -2,18 +2,15 @@
 // The notes of a score on a single voice of an instrument file.
 #pragma once
 
-#include <concepts>
-
-#include "contactspline/instrument/network_instrument.hpp"
 #include "contactspline/instrument/played_by_events.hpp"
 #include "generator/player/voice_tracks.hpp"
 
 namespace contactspline::testing {
 
 /// Plays a note, or its end, on an instrument, which it tunes while it sounds. Returns whether the instrument has the
-/// key.
-template <std::floating_point T>
-bool play_note(NetworkInstrument<T>& instrument, const NoteTrack::Change& change) {
+/// key. Instrument: NetworkInstrument or SeenNetwork.
+template <typename Instrument>
+bool play_note(Instrument& instrument, const NoteTrack::Change& change) {
   const Note& note = *change.strike;
   for (const KeyRange& range : instrument.keyed().ranges) {
     if (note.key < range.first || note.key > range.last) continue;
