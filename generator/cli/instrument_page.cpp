@@ -122,8 +122,9 @@ std::string key_row(const InstrumentModel& model, const KeyRange& range) {
   for (const std::vector<std::size_t>& tuned : model.keys.tuned)
     if (tuned.front() == range.string)
       for (const std::size_t body : tuned) bodies.push_back(model.bodies[body].name);
-  return fmt::format("{}, tuned{}{}: {} has the pitch of the file", event, bodies.empty() ? "" : " on ",
-                     fmt::join(bodies, ", "), range.tuned_key);
+  return fmt::format("{}, tuned{}{}: {} has the pitch of the file{}", event, bodies.empty() ? "" : " on ",
+                     fmt::join(bodies, ", "), range.tuned_key,
+                     range.per_octave == 1 ? "" : fmt::format(", {:g} times as strong per octave", range.per_octave));
 }
 
 std::string damper_row(const InstrumentModel& model) {

@@ -151,9 +151,12 @@ std::string cpp_far_ends(const InstrumentArrays& arrays) {
 std::string add_cpp_keys(const ModelKeys& keys, const InstrumentArrays& arrays, std::string& text) {
   text += cpp_array("KeyRange", keys.ranges.size(), "key_ranges",
                     "{\n" + rows_of(keys.ranges, "        ", [](const KeyRange& range, std::size_t) {
-                      const std::string string = range.string == kAllStrings ? "" : fmt::format(", {}", range.string);
-                      return fmt::format("{{{}, {}, {}, {}{}}}", range.first, range.last, range.event,
-                                         range.tuned_key, string);
+                      const bool is_even = range.per_octave == 1;
+                      const std::string string = range.string == kAllStrings && is_even
+                                                     ? ""
+                                                     : ", " + place_or("kAllStrings", range.string);
+                      return fmt::format("{{{}, {}, {}, {}{}{}}}", range.first, range.last, range.event,
+                                         range.tuned_key, string, is_even ? "" : ", " + literal(range.per_octave));
                     }) + "}");
   text += cpp_numbers("tension_squares", arrays.tension_squares);
   text += cpp_array("std::size_t", keys.damped.size(), "damped", whole_numbers(keys.damped));
@@ -357,8 +360,10 @@ std::string json_options_of(const InstrumentModel& model, const InstrumentArrays
                       range.tuned_key < 0 ? "" : fmt::format(", \"tuned_key\": {}", range.tuned_key);
                   const std::string string =
                       range.string == kAllStrings ? "" : fmt::format(", \"string\": {}", range.string);
-                  return fmt::format("{{\"first\": {}, \"last\": {}, \"event\": \"{}\"{}{}}}", range.first,
-                                     range.last, model.events[range.event].name, tuned, string);
+                  const std::string per_octave =
+                      range.per_octave == 1 ? "" : fmt::format(", \"per_octave\": {}", literal(range.per_octave));
+                  return fmt::format("{{\"first\": {}, \"last\": {}, \"event\": \"{}\"{}{}{}}}", range.first,
+                                     range.last, model.events[range.event].name, tuned, per_octave, string);
                 }),
         model.keys.voices);
     if (!arrays.tension_squares.empty())

@@ -22,7 +22,7 @@ class KeyReader {
   void read() {
     for (const char* key : {"polyphony", "damper"})
       if (draft_.json.has(key) && !draft_.json.has("keys")) draft_.json.fail(key, "has no place here", "beside keys");
-    const auto rows = draft_.objects("keys", {"key", "first", "last", "event", "tuned_key", "string", "bodies"});
+    const auto rows = draft_.objects("keys", {"key", "first", "last", "event", "tuned_key", "per_octave", "string", "bodies"});
     for (const JsonObject& row : rows) read_key(row);
     for (const JsonObject& row : rows) check_all_strings(row);
     if (model_.keys.ranges.empty()) return;
@@ -52,6 +52,10 @@ class KeyReader {
     const std::string name = row.text("event", joined(names_of(model_.events)));
     range.event = index_of(row, row.key("event"), name, model_.events, "event");
     if (row.has("tuned_key")) read_tuned_key(row, range);
+    if (row.has("per_octave")) {
+      if (range.tuned_key < 0) row.fail(row.key("per_octave"), "has no tuned_key", "beside tuned_key");
+      range.per_octave = row.number("per_octave", {0.1, 10});
+    }
     if (row.has("string") || row.has("bodies")) read_tuned(row, range);
     for (const KeyRange& other : model_.keys.ranges)
       if (range.first <= other.last && other.first <= range.last)

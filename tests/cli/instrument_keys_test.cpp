@@ -35,7 +35,7 @@ const std::string kGood = R"({
   ],
   "strikes": ["hammer"],
   "keys": [
-    { "first": 48, "last": 62, "event": "strike_hammer", "tuned_key": 60 },
+    { "first": 48, "last": 62, "event": "strike_hammer", "tuned_key": 60, "per_octave": 1.5 },
     { "key": 70, "event": "pluck_finger" }
   ],
   "polyphony": 4,

@@ -5,6 +5,7 @@
 #include "contactspline/step/cpp20.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <limits>
@@ -147,12 +148,18 @@ inline constexpr std::size_t kAllStrings = (std::numeric_limits<std::size_t>::ma
 
 /// Keys of MIDI from `first` to `last` that play an event. tuned_key: the key at which a string, a body with those
 /// tuned with it, or all strings have the pitch of the file; the others tune them, a semitone for each key. -1: the
-/// keys tune nothing.
+/// keys tune nothing. per_octave: by how much the parameter of the event is multiplied for each octave above it.
 struct KeyRange {
   int first, last;
   std::size_t event;
   int tuned_key = -1;
   std::size_t string = kAllStrings;
+  double per_octave = 1;
+
+  /// By how much a key multiplies the parameter of its event, beside the velocity.
+  [[nodiscard]] double strength(int key) const {
+    return tuned_key < 0 || per_octave == 1 ? 1 : std::pow(per_octave, (key - tuned_key) / 12.0);
+  }
 };
 
 /// Connections from `first` on that are one bow: it is up until it is played. The limits are of the sum of its
