@@ -13,9 +13,10 @@ made, for each note,
         below the recording's largest value, means over 46 ms
     of the marimba, differences of the level of the lowest partial, each 10 ms, up to 0.4 s
     of the kalimba, the difference of the level of the first overtone beside the lowest partial, up to 0.1 s
-    and, for more keys, how far their loudness, less the mean, and how much they fall are from lines through those of the recordings [dB(A)]
+    for more keys, how far their loudness, less the mean, and how much they fall are from lines through those of the recordings [dB(A)]
+    for more keys of the kalimba, how far the overtone is from those of the recordings beside
 
-All notes are fitted together, by numbers whose logarithms are polynomials of the key, so that they change smoothly from bar to bar.
+All notes are fitted together, by numbers whose logarithms are polynomials of the key, so that they change smoothly from key to key.
 
 Kept: F#4 and F#5 of Marimba, whose notes are one at several speeds, C4 of 19-marimba of scratch-vm (npm); C6 of Kalimba.
 """
@@ -56,8 +57,7 @@ KALIMBA = """\
 """
 C, RHO = 343, 1.2
 PRIOR = 0.5  # how much an e-fold from where a search begins counts beside a decibel
-EVEN = 1  # how much a decibel of a key's loudness counts
-BRIGHT = 0.3  # and of its overtone
+EVEN, BRIGHT = 1, 0.3  # how much a decibel of a key's loudness and fall counts, and of its overtone
 GAIN = "-40"  # of what is rendered [dB]: the same for all, so that they are as loud beside each other as they are
 WIDER = 8  # the bar's surface over the mouth
 BARS = {"ds3": (48, 53), "a3": (54, 59), "ds4": (60, 65), "a4": (66, 71), "ds5": (72, 77), "a5": (78, 84)}  # keys
@@ -120,7 +120,7 @@ TINES = {"ds4": (60, 65), "a4": (66, 71), "ds5": (72, 77), "a5": (78, 83), "d6":
 FLAT = {"ds4": -0.0809, "a4": -0.159, "ds5": -0.0786, "a5": 0.0193, "d6": -0.0505}  # cents, as rendered
 EI, MU, BEHIND, MODES = 0.034133, 0.02512, 0.0236, 8
 HIGHEST = 10500  # Hz: higher modes are left out, so that the pitch is the same at all sample rates from 22 kHz on
-QUALITY = 3.5  # of its modes: so low that no key is much louder than its neighbours
+QUALITY, BRIDGE = 3.5, 0.03  # of the box's modes: so low that no key is 3 dB(A) louder than its neighbour; so small that tines lose little
 BOX = [500, 840, 1060, 1235, 1540, 1930, 2600, 3490, 4700]  # Hz: peaks between the partials of the recordings
 KALIMBA_NUMBERS = {"constant": [-0.964, 1.82], "stronger": [-1.18], "heard_500": [2.9], "heard_840": [4.31], "heard_1060": [5.58], "heard_1235": [5.66], "heard_1540": [4.39], "heard_1930": [2.88], "heard_2600": [2.77], "heard_3490": [3.92], "heard_4700": [4.51]}
 ROOTS = np.array([brentq(lambda z: np.cos(z) + 1 / np.cosh(z), n * np.pi, (n + 1) * np.pi) for n in range(MODES)])
@@ -156,7 +156,7 @@ def kalimba(numbers=KALIMBA_NUMBERS, sharp=FLAT):
         controls.append({"name": f"thumb_{name}", "force_n": f"tip_{name}", "min": -20, "max": 20, "release_n": rounded(3 * p["stronger"] ** ((key - 66) / 12), 3)})
         keys.append({"first": first, "last": last, "event": f"pluck_thumb_{name}", "tuned_key": key, "per_octave": p["stronger"], "bodies": f"tine_{name}"})
     bodies += [{"name": "box", "modes": [{"frequency_hz": f, "decay_per_s": rounded(np.pi * f / QUALITY, 3), "mass_kg": 0.1} for f in BOX]}, {"name": "air", "mass_kg": 0.00438}]
-    places += [{"name": "bridge", "body": "box", "shapes": [0.03] * len(BOX)}, {"name": "inwards", "body": "box", "shapes": [-1] + [0] * (len(BOX) - 1)},
+    places += [{"name": "bridge", "body": "box", "shapes": [BRIDGE] * len(BOX)}, {"name": "inwards", "body": "box", "shapes": [-1] + [0] * (len(BOX) - 1)},
                {"name": "heard", "body": "box", "shapes": [rounded((-1) ** n * p[f"heard_{f}"], 3) for n, f in enumerate(BOX)]}]
     return {"name": "kalimba", "description": "kalimba, tines on a box", "bodies": bodies, "places": places,
             "springs": [{"name": "cavity", "between": ["inwards", "air"], "stiffness_n_per_m": 21580}, {"name": "hole", "between": ["air", "ground"], "resistance_n_s_per_m": 2}],
@@ -165,9 +165,12 @@ def kalimba(numbers=KALIMBA_NUMBERS, sharp=FLAT):
             "input": {"force_n": "bridge", "full_scale": 10}, "keys": keys}
 
 
-# Of each: its file, the numbers that are searched, the notes that are fitted, for how long, and what is compared beside spectrograms.
-KINDS = {"marimba": {"about": MARIMBA, "file": marimba, "numbers": MARIMBA_NUMBERS, "sharp": SHARP, "keys": BARS, "notes": (48, 60, 72, 84), "even": (48, 53, 54, 59, 60, 65, 66, 71, 72, 77, 78, 84), "seconds": 0.8, "bright": (), "beside": "rise"},
-         "kalimba": {"about": KALIMBA, "file": kalimba, "numbers": KALIMBA_NUMBERS, "sharp": FLAT, "keys": TINES, "notes": (65, 69, 77), "even": (*range(60, 87, 2), 71, 87, 88), "seconds": 0.3, "bright": (60, 61, 62, 63, 64, 67, 71, 73), "beside": "overtone"}}
+# Of each: its file, the numbers that are searched, the seconds and notes that are fitted, what is compared beside spectrograms, and the
+# keys whose loudness and whose overtones are.
+KINDS = {"marimba": {"about": MARIMBA, "file": marimba, "numbers": MARIMBA_NUMBERS, "sharp": SHARP, "keys": BARS, "seconds": 0.8, "notes": (48, 60, 72, 84),
+                     "beside": "rise", "even": (48, 53, 54, 59, 60, 65, 66, 71, 72, 77, 78, 84), "bright": ()},
+         "kalimba": {"about": KALIMBA, "file": kalimba, "numbers": KALIMBA_NUMBERS, "sharp": FLAT, "keys": TINES, "seconds": 0.3, "notes": (65, 69, 77),
+                     "beside": "overtone", "even": (*range(60, 87, 2), 71, 87, 88), "bright": (60, 61, 62, 63, 64, 67, 71, 73)}}
 
 
 def loudness(sound, begin=0, end=0.6):

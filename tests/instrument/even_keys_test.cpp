@@ -23,7 +23,7 @@ constexpr double kRate = 44100;
 
 // By the A-weighting of IEC 61672-1: sections of first order, by the bilinear transform.
 void weigh(std::vector<double>& sound) {
-  const std::pair<double, bool> poles[] = {{20.598997, true},  {20.598997, true},   {107.65265, true},
+  const std::pair<double, bool> poles[] = {{20.598997, true}, {20.598997, true},  {107.65265, true},
                                            {737.86223, true}, {12194.217, false}, {12194.217, false}};
   for (const auto& [pole_hz, is_high] : poles) {
     const double w = std::tan(std::numbers::pi * pole_hz / kRate), gain = (is_high ? 1 : w) / (1 + w);
@@ -55,7 +55,7 @@ Heard heard(Voices<NetworkInstrument<double>>& instrument, int key) {
   return {decibels(sound, 0, 0.6), decibels(sound, 0.1, 0.35) - decibels(sound, 0.35, 0.6)};
 }
 
-// step: between neighbouring keys; slope: from the lowest to the highest key [dB(A)]; ratio: of what they fall.
+// step: between neighbouring keys; slope: from the lowest to the highest key [dB(A)]; ratio: of what neighbours fall.
 struct Bounds {
   const char* name;
   double step, slope, ratio;
@@ -89,9 +89,12 @@ TEST_P(EvenKeys, AreAsLoudAsTheirNeighbours) {
   Measured() << name << ": steps of up to " << largest_step << " dB(A), falls that differ by up to " << largest_ratio
              << ", " << all.back().level - all.front().level << " dB(A) from the lowest to the highest key";
 }
+// Recorded notes rise by 12 dB(A) over the keys of the marimba, 11 of the kalimba and 5 of the fret guitar. Measured:
+// steps of 1.2, 2.8, 1.2, 0.4 and 1.2 dB(A), falls that differ by 1.27, 1.41, 1.22, 1.03 and 1.15 times.
 INSTANTIATE_TEST_SUITE_P(Shipped, EvenKeys,
-                         ::testing::Values(Bounds{"marimba", 3, 15, 1.5}, Bounds{"kalimba", 3, 15, 1.5},
-                                           Bounds{"fret_guitar", 2, 6, 1.3}, Bounds{"lap_steel", 1, 10, 1.2}),
+                         ::testing::Values(Bounds{"marimba", 2, 15, 1.4}, Bounds{"kalimba", 3, 11, 1.5},
+                                           Bounds{"fret_guitar", 2, 5, 1.4}, Bounds{"lap_steel", 1, 11, 1.1},
+                                           Bounds{"slap_bass", 2, 6, 1.3}),
                          [](const auto& tested) { return std::string(tested.param.name); });
 
 }  // namespace
