@@ -25,13 +25,13 @@ class fret_guitar : public Voices<NetworkInstrument<T>> {
 
   /// 0.02 to 0.64, at the beginning 0.635.
   void set_fret_place_m(T value) { this->set(0, double(value)); }
-  /// -10 to 10, at the beginning 0.
+  /// -20 to 20, at the beginning 0.
   void set_finger_force_n(T value) { this->set(1, double(value)); }
   /// -2e-05 to 0.005, at the beginning 0.
   void set_fret_gap_shift_m(T value) { this->set(2, double(value)); }
   /// 0 to 2, at the beginning 0.3.
   void set_fret_loss_s_per_m(T value) { this->set(3, double(value)); }
-  /// -10 to 10, at the beginning 3.
+  /// -20 to 20, at the beginning 3.
   void set_finger_release_n(T value) { this->set(4, double(value)); }
   /// 0 to 1, at the beginning 0.
   void set_sustain(T value) { this->set(5, double(value)); }
@@ -231,10 +231,10 @@ class fret_guitar : public Voices<NetworkInstrument<T>> {
     // Values that are allowed, those of sliders, the first one, scale, when it acts, how slowly it follows [s].
     static constexpr std::array<Parameter, 7> parameters = {{
         {"fret_place_m", "m", {0.02, 0.64}, {0.02, 0.64}, 0.635, Scale::kLinear, Acts::kAtOnce, 0.02},
-        {"finger_force_n", "N", {-10.0, 10.0}, {-10.0, 10.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
+        {"finger_force_n", "N", {-20.0, 20.0}, {-20.0, 20.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
         {"fret_gap_shift_m", "m", {-2e-05, 0.005}, {-2e-05, 0.005}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0},
         {"fret_loss_s_per_m", "s/m", {0.0, 2.0}, {0.0, 2.0}, 0.3, Scale::kLinear, Acts::kAtOnce, 0.0},
-        {"finger_release_n", "N", {-10.0, 10.0}, {0.0, 6.0}, 3.0, Scale::kLinear, Acts::kAtNextNote, 0.0},
+        {"finger_release_n", "N", {-20.0, 20.0}, {0.0, 6.0}, 3.0, Scale::kLinear, Acts::kAtNextNote, 0.0},
         {"sustain", "", {0.0, 1.0}, {0.0, 1.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0, 64, 1},
         {"bend_cents", "cents", {-4800.0, 4800.0}, {-200.0, 200.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.0, 0, 16}}};
     static constexpr std::array<Event, 1> events = {{
@@ -244,7 +244,7 @@ class fret_guitar : public Voices<NetworkInstrument<T>> {
         {"string_end_force_n", "N", 10.0},
         {"fret_force_n", "N", 20.0}}};
     static constexpr std::array<KeyRange, 1> key_ranges = {{
-        {38, 74, 0, 50}}};
+        {38, 74, 0, 50, kAllStrings, 2.0}}};
     static constexpr std::array<double, 86> tension_squares = {
         851117.3973184, 3404469.589273, 7660056.575865, 13617878.35709, 21277934.93296, 30640226.30346,
         41704752.4686, 54471513.42838, 68940509.18279, 85111739.73184, 102985205.0755, 122560905.2138,

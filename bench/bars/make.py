@@ -12,6 +12,11 @@ made, for each note,
     differences of log-mel spectrograms: 48 bands from 60 Hz to 12 kHz, each note of the same A-weighted loudness, down to 60 dB
         below the recording's largest value, means over 46 ms
     of the marimba, differences of the level of the lowest partial, each 10 ms, up to 0.4 s
+    of the kalimba, the difference of the level of the first overtone beside the lowest partial, up to 0.1 s
+    for more keys, how far their loudness, less the mean, and how much they fall are from lines through those of the recordings [dB(A)]
+    for more keys of the kalimba, how far the overtone is from those of the recordings beside
+
+All notes are fitted together, by numbers whose logarithms are polynomials of the key, so that they change smoothly from key to key.
 
 Kept: F#4 and F#5 of Marimba, whose notes are one at several speeds, C4 of 19-marimba of scratch-vm (npm); C6 of Kalimba.
 """
@@ -19,6 +24,7 @@ import json
 import subprocess
 import sys
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -36,49 +42,45 @@ MARIMBA = """\
 // the air raises to that of the bar, modal mass rho S L/2, times 64, because its displacement here is that of a piston of 8 S, the bar over
 // the mouth; the decay of the first, 30 1/s at C4 and as the frequency, makes notes peak when recorded ones do, after 120 to 30 ms; that of
 // the second is by radiation, c (k a)^2/(4 L), and by friction at the wall, c 1.2e-5 sqrt(omega)/a.
-// Written by bench/bars/make.py: losses of the bars, springs of air, where bars are heard and the heads' weights are fitted to recorded
-// notes of FluidR3 GM (MIT).
+// Written by bench/bars/make.py: losses of the bars, where they are heard, the heads' weights and the mallets change smoothly over the
+// keys, fitted to recorded notes of FluidR3 GM (MIT) and to how loud these are.
 """
 KALIMBA = """\
 // Kalimba of C4 to E6: five tines on a box, of which keys tune one to half an octave. A tine is a strip of spring steel, 4 x 0.8 mm with
 // 200 GPa and 7850 kg/m^3, clamped 23.6 mm behind the bridge, which is a link to the box; its length gives the pitch. Because a tine
-// bends behind its bridge, too, the first overtone is at 6.72 for A4, 5.03 for D6; that of a bar clamped at the bridge at 6.27.
+// bends behind its bridge, too, the first overtone is at 6.75 for A4, 5.07 for D6; that of a bar clamped at the bridge at 6.27.
 // Recorded are 6.75 for A4 and 5.19 for C6. The box is 0.53 l with a hole of 28 mm: the air in it is a mass, rho S (4 mm + 1.7 a), times
 // (A/S)^2, A = 0.009 m^2 of the lid, on the spring rho c^2 A^2/V. The frequencies of its modes are peaks between the partials of recorded
-// notes; that modes are heard as frequency^0.6 puts the overtone of A4 27 dB below its fundamental, 29 as recorded.
-// Written by bench/bars/make.py: the losses of three tines and how loud the lid is beside the air are fitted to recorded notes of
-// FluidR3 GM (MIT).
+// notes; their quality is 3.5, so that no key stands out. Overtones decay as recorded ones do, by 17 to 22 1/s; modes above 10.5 kHz are left out.
+// Written by bench/bars/make.py: how losses and forces change from key to key, and how loud each mode of the box is, are fitted to recorded
+// notes of FluidR3 GM (MIT).
 """
 C, RHO = 343, 1.2
 PRIOR = 0.5  # how much an e-fold from where a search begins counts beside a decibel
+EVEN, BRIGHT = 1, 0.3  # how much a decibel of a key's loudness and fall counts, and of its overtone
+GAIN = "-40"  # of what is rendered [dB]: the same for all, so that they are as loud beside each other as they are
 WIDER = 8  # the bar's surface over the mouth
 BARS = {"ds3": (48, 53), "a3": (54, 59), "ds4": (60, 65), "a4": (66, 71), "ds5": (72, 77), "a5": (78, 84)}  # keys
-SHARP = {"ds3": 7, "a3": 5.2, "ds4": 4.3, "a4": 2.8, "ds5": 1.9, "a5": 1}  # cents, as rendered: the air is a spring under the bar
-NOTES = {"ds3": 48, "ds4": 60, "ds5": 72, "a5": 84}  # that are fitted
-NUMBERS = ["constant", "quadratic", "air", "heard", "weight"]
-# Where searches ended; then constant and air of a5 were changed: at the middle of its keys it had sounded 0.6 s.
-FITTED = {"ds3": [0.848, 0.0262, 649, 0.312, 28.2], "ds4": [0.101, 0.0202, 1100, 0.281, 53],
-          "ds5": [1.17, 0.0122, 1360, 0.221, 138], "a5": [3.9, 0.00921, 1600, 0.253, 110]}
+SHARP = {"ds3": 6.43, "a3": 3.87, "ds4": 2.32, "a4": 1.48, "ds5": 0.862, "a5": 0.521}  # cents, as rendered: the air is a spring under the bar
+# Of logarithms: coefficients of polynomials of the octaves above F#4.
+AIR = [0.0379, 6.5]  # of the springs: their slope from a search; so stiff that the tube lets the lowest bar decay 1.5 times as fast
+MARIMBA_NUMBERS = {"constant": [0.455, 1.09], "quadratic": [-0.212, -4.3], "heard": [-0.313, -1.47], "weight": [1.45, 4.34], "mallet": [-0.36, -3.29]}
 
 
-def middle(name):
-    first, last = BARS[name]
-    return (first + last + 1) // 2
+def at_key(coefficients, key):
+    return rounded(np.exp(np.polyval(coefficients, (key - 66) / 12)), 3)
 
 
-def numbers_of(name):
-    """By the key's place between the bars that are fitted."""
-    keys = [middle(of) for of in FITTED]
-    return {n: rounded(np.exp(np.interp(middle(name), keys, np.log([of[i] for of in FITTED.values()]))), 3) for i, n in enumerate(NUMBERS)}
+def middle(keys):
+    return (keys[0] + keys[1] + 1) // 2
 
 
-def marimba(fitted=None):
-    """fitted: numbers of one bar, which is alone then."""
-    bars = list(fitted or BARS)
+def marimba(numbers=MARIMBA_NUMBERS, sharp=SHARP):
     file = {"name": "marimba", "description": "marimba of three octaves", "bodies": [], "places": [], "contacts": [], "springs": [], "controls": [], "strikes": [],
-            "outputs": [], "input": {"force_n": f"struck_{bars[len(bars) // 3]}"}, "keys": []}
-    for name in bars:
-        (first, last), key, p = BARS[name], middle(name), dict(zip(NUMBERS, fitted[name])) if fitted else numbers_of(name)
+            "outputs": [], "input": {"force_n": "struck_ds4"}, "keys": []}
+    for name in BARS:
+        (first, last), key = BARS[name], middle(BARS[name])
+        p = {number: at_key(coefficients, key) for number, coefficients in {**numbers, "air": AIR}.items()}
         octaves = (key - 60) / 12
         f = 440 * 2 ** ((key - 69) / 12)
         length, mass = rounded(0.33 * 2 ** (-0.345 * octaves), 4), rounded(0.33 * 2 ** (-0.57 * octaves), 4)
@@ -93,10 +95,10 @@ def marimba(fitted=None):
         at = {n: rounded(part * length, 4) for n, part in (("struck", 0.4), ("over_mouth", 0.5), ("heard", p["heard"]))}
         file["bodies"] += [
             {"name": f"bar_{name}", "bar": {"length_m": length, "mass_kg": mass,
-                                            "bending_stiffness_n_m2": rounded(608.128 * (f / 261.626 / 2 ** (SHARP[name] / 1200)) ** 2 * mass / 0.33 * (length / 0.33) ** 3, 6),
+                                            "bending_stiffness_n_m2": rounded(608.128 * (f / 261.626 / 2 ** (sharp[name] / 1200)) ** 2 * mass / 0.33 * (length / 0.33) ** 3, 6),
                                             "constant_loss_per_s": p["constant"], "quadratic_loss_m2_per_s": p["quadratic"],
                                             "undercut": {"length_m": rounded(0.24 / 0.33 * length, 4), "thickness_ratio": 0.34}}, "max_modes": 4},
-            {"name": f"tube_{name}", "modes": tube}, {"name": f"mallet_{name}", "mass_kg": 0.02}]
+            {"name": f"tube_{name}", "modes": tube}, {"name": f"mallet_{name}", "mass_kg": p["mallet"]}]
         file["places"] += [{"name": f"struck_{name}", "body": f"bar_{name}", "position_m": at["struck"]},
                            {"name": f"over_mouth_{name}", "body": f"bar_{name}", "position_m": at["over_mouth"]},
                            {"name": f"heard_{name}", "body": f"bar_{name}", "position_m": at["heard"]},
@@ -105,62 +107,95 @@ def marimba(fitted=None):
         file["contacts"].append({"name": f"head_{name}", "between": [f"mallet_{name}", f"struck_{name}"], "material": "felt_c4", "weight": p["weight"], "gap_m": 0.005})
         file["springs"].append({"name": f"air_{name}", "between": [f"over_mouth_{name}", f"mouth_{name}"], "stiffness_n_per_m": p["air"]})
         file["keys"].append({"first": first, "last": last, "event": f"strike_mallet_{name}", "tuned_key": key, "bodies": [f"bar_{name}", f"tube_{name}"]})
-    every = lambda part: [f"{part}_{name}" for name in bars]
+    every = lambda part: [f"{part}_{name}" for name in BARS]
     file["controls"] = [{"name": "tubes", "damping_per_s": every("tube"), "max": 1e4},
                         {"name": "head", "stiffness_ratio": every("head"), "min": 0.01, "max": 100}, {"name": "hand", "damping_per_s": every("bar"), "max": 1000}]
     file["strikes"] = every("mallet")
-    file["outputs"] = [{"name": "both", "velocity_m_per_s": every("opening") + every("heard"), "full_scale": 10}, {"name": "bars", "velocity_m_per_s": every("heard"), "full_scale": 1.5}]
+    file["outputs"] = [{"name": "both", "velocity_m_per_s": every("opening") + every("heard"), "full_scale": 3.2}, {"name": "bars", "velocity_m_per_s": every("heard"), "full_scale": 2}]
     return file
 
 
 # The kalimba: a strip of spring steel, 4 x 0.8 mm with 200 GPa and 7850 kg/m^3, is clamped 23.6 mm behind the bridge.
-# Keys, and cents, as rendered: the modes that are left out would make the bridge stiffer.
-TINES = {"ds4": (60, 65, 0.5), "a4": (66, 71, 0.5), "ds5": (72, 77, 1.2), "a5": (78, 83, 2.5), "d6": (84, 88, 2.5)}
+TINES = {"ds4": (60, 65), "a4": (66, 71), "ds5": (72, 77), "a5": (78, 83), "d6": (84, 88)}  # keys
+FLAT = {"ds4": -0.0809, "a4": -0.159, "ds5": -0.0786, "a5": 0.0193, "d6": -0.0505}  # cents, as rendered
 EI, MU, BEHIND, MODES = 0.034133, 0.02512, 0.0236, 8
+HIGHEST = 10500  # Hz: higher modes are left out, so that the pitch is the same at all sample rates from 22 kHz on
+QUALITY, BRIDGE = 3.5, 0.03  # of the box's modes: so low that no key is 3 dB(A) louder than its neighbour; so small that tines lose little
 BOX = [500, 840, 1060, 1235, 1540, 1930, 2600, 3490, 4700]  # Hz: peaks between the partials of the recordings
-TINE = {"ds4": 9.85, "a4": 1.81, "ds5": 2.25, "heard": 18.7}  # fitted
+KALIMBA_NUMBERS = {"constant": [-0.964, 1.82], "stronger": [-1.18], "heard_500": [2.9], "heard_840": [4.31], "heard_1060": [5.58], "heard_1235": [5.66], "heard_1540": [4.39], "heard_1930": [2.88], "heard_2600": [2.77], "heard_3490": [3.92], "heard_4700": [4.51]}
 ROOTS = np.array([brentq(lambda z: np.cos(z) + 1 / np.cosh(z), n * np.pi, (n + 1) * np.pi) for n in range(MODES)])
 
 
-def partials(length):
+def free(length, modes=MODES):
+    """Frequencies of a clamped bar [Hz]."""
+    return (ROOTS[:modes] / length) ** 2 * np.sqrt(EI / MU) / (2 * np.pi)
+
+
+def partials(length, modes=MODES):
     """Of a bar clamped at one end that rests on the bridge [Hz]: of its modes, where none moves there."""
-    z, s = ROOTS * BEHIND / length, (np.cosh(ROOTS) + np.cos(ROOTS)) / (np.sinh(ROOTS) + np.sin(ROOTS))
+    roots = ROOTS[:modes]
+    z, s = roots * BEHIND / length, (np.cosh(roots) + np.cos(roots)) / (np.sinh(roots) + np.sin(roots))
     squares = (np.cosh(z) - np.cos(z) - s * (np.sinh(z) - np.sin(z))) ** 2
-    w = (ROOTS / length) ** 2 * np.sqrt(EI / MU)
+    w = 2 * np.pi * free(length, modes)
     return [brentq(lambda x: (squares / (w ** 2 - x ** 2)).sum(), a * (1 + 1e-9), b * (1 - 1e-9)) / (2 * np.pi) for a, b in zip(w, w[1:])]
 
 
-def kalimba(p=TINE):
+def kalimba(numbers=KALIMBA_NUMBERS, sharp=FLAT):
     bodies, places, links, controls, keys = [], [], [], [], []
-    for name, (first, last, sharp) in TINES.items():
-        key = (first + last + 1) // 2
-        length = rounded(brentq(lambda l: partials(l)[0] - 440 * 2 ** ((key - 69 - sharp / 100) / 12), 1.2 * BEHIND, 0.2))
+    for name, (first, last) in TINES.items():
+        key = middle((first, last))
+        p = {number: at_key(coefficients, key) for number, coefficients in numbers.items()}
+        hz = 440 * 2 ** ((key - 69 - sharp[name] / 100) / 12)
+        length = brentq(lambda l: partials(l)[0] - hz, 1.2 * BEHIND, 0.2)
+        modes = int((free(length) * 2 ** ((last - key) / 12) < HIGHEST).sum())
+        length = rounded(brentq(lambda l: partials(l, modes)[0] - hz, 1.2 * BEHIND, 0.2))
         bodies.append({"name": f"tine_{name}", "bar": {"length_m": length, "mass_kg": rounded(MU * length), "bending_stiffness_n_m2": EI, "ends": ["clamped", "free"],
-                                                       "constant_loss_per_s": p.get(name, p["ds5"]), "quadratic_loss_m2_per_s": 0.002}, "max_modes": MODES})
+                                                       "constant_loss_per_s": p["constant"], "quadratic_loss_m2_per_s": 9e-4}, "max_modes": modes})
         places += [{"name": f"tip_{name}", "body": f"tine_{name}", "position_m": length}, {"name": f"over_bridge_{name}", "body": f"tine_{name}", "position_m": BEHIND}]
         links.append({"name": f"bridge_{name}", "between": [f"over_bridge_{name}", "bridge"]})
-        controls.append({"name": f"thumb_{name}", "force_n": f"tip_{name}", "min": -20, "max": 20, "release_n": 3})
-        keys.append({"first": first, "last": last, "event": f"pluck_thumb_{name}", "tuned_key": key, "bodies": f"tine_{name}"})
-    bodies += [{"name": "box", "modes": [{"frequency_hz": f, "decay_per_s": rounded(np.pi * f / 12, 3), "mass_kg": 0.1} for f in BOX]}, {"name": "air", "mass_kg": 0.00438}]
-    places += [{"name": "bridge", "body": "box", "shapes": [0.1] * len(BOX)}, {"name": "inwards", "body": "box", "shapes": [-1] + [0] * (len(BOX) - 1)},
-               {"name": "heard", "body": "box", "shapes": [rounded((-1) ** n * p["heard"] * (f / 1000) ** 0.6, 3) for n, f in enumerate(BOX)]}]
+        controls.append({"name": f"thumb_{name}", "force_n": f"tip_{name}", "min": -20, "max": 20, "release_n": rounded(3 * p["stronger"] ** ((key - 66) / 12), 3)})
+        keys.append({"first": first, "last": last, "event": f"pluck_thumb_{name}", "tuned_key": key, "per_octave": p["stronger"], "bodies": f"tine_{name}"})
+    bodies += [{"name": "box", "modes": [{"frequency_hz": f, "decay_per_s": rounded(np.pi * f / QUALITY, 3), "mass_kg": 0.1} for f in BOX]}, {"name": "air", "mass_kg": 0.00438}]
+    places += [{"name": "bridge", "body": "box", "shapes": [BRIDGE] * len(BOX)}, {"name": "inwards", "body": "box", "shapes": [-1] + [0] * (len(BOX) - 1)},
+               {"name": "heard", "body": "box", "shapes": [rounded((-1) ** n * p[f"heard_{f}"], 3) for n, f in enumerate(BOX)]}]
     return {"name": "kalimba", "description": "kalimba, tines on a box", "bodies": bodies, "places": places,
             "springs": [{"name": "cavity", "between": ["inwards", "air"], "stiffness_n_per_m": 21580}, {"name": "hole", "between": ["air", "ground"], "resistance_n_s_per_m": 2}],
             "links": links, "controls": controls + [{"name": "hand", "damping_per_s": [f"tine_{name}" for name in TINES], "max": 1000}],
-            "outputs": [{"name": "box", "velocity_m_per_s": ["heard", "air"], "full_scale": 0.5}, {"name": "bridge", "force_n": [f"bridge_{name}" for name in TINES], "full_scale": 30}],
+            "outputs": [{"name": "box", "velocity_m_per_s": ["heard", "air"], "full_scale": 0.08}, {"name": "bridge", "force_n": [f"bridge_{name}" for name in TINES], "full_scale": 40}],
             "input": {"force_n": "bridge", "full_scale": 10}, "keys": keys}
+
+
+# Of each: its file, the numbers that are searched, the seconds and notes that are fitted, what is compared beside spectrograms, and the
+# keys whose loudness and whose overtones are.
+KINDS = {"marimba": {"about": MARIMBA, "file": marimba, "numbers": MARIMBA_NUMBERS, "sharp": SHARP, "keys": BARS, "seconds": 0.8, "notes": (48, 60, 72, 84),
+                     "beside": "rise", "even": (48, 53, 54, 59, 60, 65, 66, 71, 72, 77, 78, 84), "bright": ()},
+         "kalimba": {"about": KALIMBA, "file": kalimba, "numbers": KALIMBA_NUMBERS, "sharp": FLAT, "keys": TINES, "seconds": 0.3, "notes": (65, 69, 77),
+                     "beside": "overtone", "even": (*range(60, 87, 2), 71, 87, 88), "bright": (60, 61, 62, 63, 64, 67, 71, 73)}}
+
+
+def loudness(sound, begin=0, end=0.6):
+    """Of a part from the onset on [dB(A)]."""
+    power = np.abs(np.fft.rfft(from_onset(sound)[int(begin * RATE):int(end * RATE)], RATE)) ** 2
+    return 10 * np.log10((power * 10 ** (a_weighting(np.fft.rfftfreq(RATE, 1 / RATE)) / 10)).sum())
+
+
+def fall(sound, seconds):
+    """How much softer the last third is than one that begins after the first sixth [dB(A)]."""
+    return loudness(sound, seconds / 6, seconds / 2) - loudness(sound, seconds * 2 / 3, seconds)
 
 
 class Note:
     def __init__(self, sound, key, seconds):
         sound = from_onset(sound)
         sound = np.pad(sound, (0, max(0, int(seconds * RATE) - len(sound))))
-        f = np.fft.rfftfreq(RATE, 1 / RATE)
-        self.loudness = 10 * np.log10((np.abs(np.fft.rfft(sound[:int(0.6 * RATE)], RATE)) ** 2 * 10 ** (a_weighting(f) / 10)).sum())
+        self.loudness, self.fall = loudness(sound), fall(sound, seconds)
         hz = 440 * 2 ** ((key - 69) / 12)
         window = np.hanning(int(4 / hz * RATE))
         rise = np.abs(fftconvolve(sound * np.exp(-2j * np.pi * hz * np.arange(len(sound)) / RATE), window, "same"))[:int(0.4 * RATE):441]
         self.rise = np.maximum(20 * np.log10(rise / rise.max() + 1e-30), -30)  # of the lowest partial, each 10 ms [dB]
+        power = np.abs(np.fft.rfft(sound[:RATE // 10] * np.hanning(RATE // 10), RATE)) ** 2
+        highest = [power[int(low * hz):int(high * hz)].max() for low, high in ((0.9, 1.1), (4.5, 7.5))]
+        self.overtone = 10 * np.log10(highest[1] / highest[0])  # of a tine, beside its lowest partial [dB]
         power = mel(sound, seconds, 12000)
         n = len(power) // 4 * 4
         self.mel = 10 * np.log10(power[:n].reshape(n // 4, 4, -1).mean(1) + 1e-30)
@@ -176,44 +211,59 @@ def rendered(program, file, key, seconds):
         Path(f"{folder}/file.json").write_text(text_of(file), encoding="utf-8")
         score = {"instrument": "file.json", "duration_s": seconds + 0.1, "events": [{"time_s": 0.05, "key": key, "velocity": 0.5}]}
         Path(f"{folder}/score.json").write_text(json.dumps(score), encoding="utf-8")
-        subprocess.run([program, "render", f"{folder}/score.json", "--no-figure", "-o", f"{folder}/note.wav"], check=True, capture_output=True)
-        return Note(read(f"{folder}/note.wav"), key, seconds)
+        subprocess.run([program, "render", f"{folder}/score.json", "--no-figure", "--gain", GAIN, "-o", f"{folder}/note.wav"], check=True, capture_output=True)
+        return read(f"{folder}/note.wav")
 
 
-def searched(usual, residuals):
-    """By ratios."""
-    return np.exp(least_squares(lambda x: np.concatenate([*residuals(np.exp(x)), PRIOR * (x - np.log(usual))]), np.log(usual), diff_step=0.02, max_nfev=8).x)
+def fit(program, kind, folder):
+    of = KINDS[kind]
+    recordings = {key: Note(read(f"{folder}/{key}.wav"), key, of["seconds"]) for key in of["notes"]}
+    ends = np.cumsum([len(coefficients) for coefficients in of["numbers"].values()])[:-1]
+    usual = np.concatenate(list(of["numbers"].values()))
+    keys = sorted({*of["notes"], *of["even"], *of["bright"]})
+    line, of_fall = (np.polyfit(list(recordings), [vars(recording)[name] for recording in recordings.values()], 1) for name in ("loudness", "fall"))
+
+    def numbers(x):
+        return dict(zip(of["numbers"], np.split(x, ends)))
+
+    def residuals(x):
+        file = of["file"](numbers(x))
+        with ThreadPoolExecutor(2) as pool:
+            sounds = dict(zip(keys, pool.map(lambda key: rendered(program, file, key, of["seconds"]), keys)))
+        notes = {key: Note(sounds[key], key, of["seconds"]) for key in keys}
+        found = [PRIOR * (x - usual)]
+        for key, recording in recordings.items():
+            apart = [notes[key].differences(recording), vars(notes[key])[of["beside"]] - vars(recording)[of["beside"]]]
+            found += [np.ravel(d) / np.sqrt(np.size(d)) for d in apart]
+        louder = np.array([notes[key].loudness - np.polyval(line, key) for key in of["even"]])
+        shorter = np.array([notes[key].fall - np.polyval(of_fall, key) for key in of["even"]])
+        brighter = np.array([notes[key].overtone - np.interp(key, list(recordings), [r.overtone for r in recordings.values()]) for key in of["bright"]])
+        return np.concatenate([*found, EVEN * (louder - louder.mean()), EVEN * shorter, BRIGHT * brighter])
+
+    best = least_squares(lambda z: residuals(usual + z - 1), np.ones(len(usual)), diff_step=0.02, max_nfev=10)
+    found = {name: [rounded(c, 3) for c in coefficients] for name, coefficients in numbers(usual + best.x - 1).items()}
+    print(found, tuned(program, of, found))
 
 
-def fit_marimba(program, recordings):
-    for name, key in NOTES.items():
-        recording = Note(read(f"{recordings}/{key}.wav"), key, 0.8)
-
-        def residuals(numbers):
-            note = rendered(program, marimba({name: numbers}), key, 0.8)
-            for d in note.differences(recording), note.rise - recording.rise:
-                yield d.ravel() / np.sqrt(d.size)
-
-        print(f'"{name}": {[rounded(x, 3) for x in searched(FITTED[name], residuals)]},', flush=True)
-
-
-def fit_kalimba(program, recordings):
-    notes = {key: Note(read(f"{recordings}/{key}.wav"), key, 0.3) for key in (65, 69, 77)}
-
-    def residuals(numbers):
-        file = kalimba(dict(zip(TINE, numbers)))
-        for key, recording in notes.items():
-            d = rendered(program, file, key, 0.3).differences(recording)
-            yield d.ravel() / np.sqrt(d.size)
-
-    print({name: rounded(x, 3) for name, x in zip(TINE, searched(list(TINE.values()), residuals))})
+def tuned(program, of, numbers):
+    """By how many cents bars and tines would be sharp."""
+    sharp = dict(of["sharp"])
+    for _ in range(3):
+        for name, keys in of["keys"].items():
+            hz = 440 * 2 ** ((middle(keys) - 69) / 12)
+            sound = rendered(program, of["file"](numbers, sharp), middle(keys), 1)[RATE // 4:]
+            f = np.fft.rfftfreq(1 << 19, 1 / RATE)
+            near = (f > 0.95 * hz) & (f < 1.05 * hz)
+            heard = f[near][np.argmax(np.abs(np.fft.rfft(sound * np.hanning(len(sound)), 1 << 19))[near])]
+            sharp[name] = rounded(sharp[name] + 1200 * np.log2(heard / hz), 3)
+    return sharp
 
 
 if __name__ == "__main__":
-    if len(sys.argv) == 4 and sys.argv[1] == "write":
-        about, file = {"marimba": (MARIMBA, marimba), "kalimba": (KALIMBA, kalimba)}[sys.argv[2]]
+    if len(sys.argv) == 4 and sys.argv[1] == "write" and sys.argv[2] in KINDS:
+        about, file = KINDS[sys.argv[2]]["about"], KINDS[sys.argv[2]]["file"]
         Path(sys.argv[3]).write_text(about + text_of(file()), encoding="utf-8")
-    elif len(sys.argv) == 5 and sys.argv[1] == "fit":
-        {"marimba": fit_marimba, "kalimba": fit_kalimba}[sys.argv[3]](sys.argv[2], sys.argv[4])
+    elif len(sys.argv) == 5 and sys.argv[1] == "fit" and sys.argv[3] in KINDS:
+        fit(*sys.argv[2:])
     else:
         sys.exit(__doc__)

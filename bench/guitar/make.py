@@ -17,7 +17,7 @@ for each note,
     logarithms of the ratios of the decays of these partials from 40 to 500 ms
 
 and, for many keys of the classical guitar, how much louder they are than the mean of them, less the median of that over the sources
-[dB(A)], between the keys that were recorded on a line. The fret guitar has one force for all keys: its loudness falls by 13 dB.
+[dB(A)], between the keys that were recorded on a line. The fret guitar's string is plucked as fast on all keys.
 
 Fitted: E2, A2, D3, G3, B3 and E4 of Nylon Guitar of FluidR3 GM (fluid-soundfont-gm, MIT) and of tonejs-instrument-guitar-nylon
 (npm; CC-BY 3.0); E2, D3, G3 and E4 of Clean Guitar of FluidR3 GM. Kept: Nylon Guitar and Clean Electric Guitar of freepats (GPL-2
@@ -76,10 +76,10 @@ FRET_BEGIN = {"constant": 1.58, "quadratic": 4.77e-4, "plucked": 0.42, "magnet":
 FRET_RANGES = {"constant": (0.5, 6), "quadratic": (2e-5, 2e-3), "plucked": (0.38, 0.61), "magnet": (0.47, 0.63), "cone": (-8, 8)}
 FRET_HEADER = """\
 // The D string of a guitar, 146.8 Hz, which buzzes on a stiff fret near its end, as in the score fret_buzz: the louder the note,
-// the longer it buzzes. Keys tune it by its tension. A magnet near the bridge moves the modes of an amplifier, which is so light that
-// the string does not feel it: pickup, filter and loudspeaker in one. Fitted to E2, D3, G3 and E4 of Clean Guitar of FluidR3 GM (MIT),
-// by least squares of differences of log-mel spectrograms, partials and decays: losses of the string, the places of
-// finger and magnet, and how each mode sounds.
+// the longer it buzzes. Keys tune it by its tension, and pluck it twice as hard for each octave, so that it moves as fast on all. A
+// magnet near the bridge moves the modes of an amplifier, which is so light that the string does not feel it: pickup, filter and
+// loudspeaker in one. Fitted to E2, D3, G3 and E4 of Clean Guitar of FluidR3 GM (MIT), by least squares of differences of log-mel
+// spectrograms, partials and decays: losses of the string, the places of finger and magnet, and how each mode sounds.
 """
 HEADER = """\
 // Six nylon strings on a guitar's body, each plucked by a finger; they also sound with each other. A string runs over the saddle,
@@ -167,12 +167,12 @@ def fret_guitar(p, _=None):
             "contacts": [{"name": "fret", "between": ["over_fret", "ground"], "material": "steel_on_steel", "gap_m": 2e-05}],
             "springs": [{"name": "magnet", "between": ["over_magnet", "coil"], "stiffness_n_per_m": 0.001}],
             "controls": [{"name": "fret", "place_m": "over_fret", "min": 0.02, "max": 0.64},
-                         {"name": "finger", "force_n": "plucked", "min": -10, "max": 10, "release_n": 3},
+                         {"name": "finger", "force_n": "plucked", "min": -20, "max": 20, "release_n": 3},
                          {"name": "fret", "gap_shift_m": "fret", "min": -2e-05, "max": 0.005},
                          {"name": "fret", "loss_s_per_m": "fret", "initial": 0.3, "max": 2}],
             "outputs": [{"name": "amplifier", "velocity_m_per_s": "cone", "full_scale": 3}, {"name": "string", "end_force_n": "string", "full_scale": 10},
                         {"name": "fret", "force_n": "fret", "full_scale": 20}],
-            "keys": [{"first": 38, "last": 74, "event": "pluck_finger", "tuned_key": 50}], "polyphony": 4,
+            "keys": [{"first": 38, "last": 74, "event": "pluck_finger", "tuned_key": 50, "per_octave": 2}], "polyphony": 4,
             "damper": {"bodies": ["string"], "damping_per_s": 30},
             "presets": [{"name": "buzz"}, {"name": "close fret", "fret_gap_shift_m": -1.5e-05},
                         {"name": "fret in the middle", "fret_place_m": 0.324, "fret_gap_shift_m": 0.0003}, {"name": "no fret", "fret_gap_shift_m": 0.005}]}

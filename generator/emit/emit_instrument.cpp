@@ -152,9 +152,8 @@ std::string add_cpp_keys(const ModelKeys& keys, const InstrumentArrays& arrays, 
   text += cpp_array("KeyRange", keys.ranges.size(), "key_ranges",
                     "{\n" + rows_of(keys.ranges, "        ", [](const KeyRange& range, std::size_t) {
                       const bool is_even = range.per_octave == 1;
-                      const std::string string = range.string == kAllStrings && is_even
-                                                     ? ""
-                                                     : ", " + place_or("kAllStrings", range.string);
+                      const std::string string =
+                          range.string == kAllStrings && is_even ? "" : ", " + place_or("kAllStrings", range.string);
                       return fmt::format("{{{}, {}, {}, {}{}{}}}", range.first, range.last, range.event,
                                          range.tuned_key, string, is_even ? "" : ", " + literal(range.per_octave));
                     }) + "}");

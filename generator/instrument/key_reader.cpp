@@ -22,7 +22,8 @@ class KeyReader {
   void read() {
     for (const char* key : {"polyphony", "damper"})
       if (draft_.json.has(key) && !draft_.json.has("keys")) draft_.json.fail(key, "has no place here", "beside keys");
-    const auto rows = draft_.objects("keys", {"key", "first", "last", "event", "tuned_key", "per_octave", "string", "bodies"});
+    const auto rows =
+        draft_.objects("keys", {"key", "first", "last", "event", "tuned_key", "per_octave", "string", "bodies"});
     for (const JsonObject& row : rows) read_key(row);
     for (const JsonObject& row : rows) check_all_strings(row);
     if (model_.keys.ranges.empty()) return;

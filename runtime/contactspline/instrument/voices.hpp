@@ -97,8 +97,8 @@ class Voices {
   }
   [[nodiscard]] double value(std::size_t parameter) const { return values_[parameter]; }
 
-  /// velocity: 0 to 1, clamped; multiplies the parameter of the event, as does the key (KeyRange::strength). Keys that
-  /// it lacks and velocities that are not a number do nothing.
+  /// velocity: 0 to 1, clamped; multiplies the parameter of the event, as does the key (KeyRange::strength). Keys
+  /// that it lacks and velocities that are not a number do nothing.
   void note_on(int key, double velocity) {
     const KeyRange* range = range_of(key);
     if (range == nullptr || !is_number(velocity)) return;
