@@ -29,10 +29,13 @@ def recorded(folder):
             for path in sorted(glob.glob(f"{folder}/*/*.wav"))}
 
 
+def onset(sound):
+    """The sample 3 ms before it is first above 0.03 of its peak."""
+    return max(0, int(np.argmax(np.abs(sound) > 0.03 * np.abs(sound).max())) - int(0.003 * RATE))
+
+
 def from_onset(sound):
-    """From 3 ms before it is first above 0.03 of its peak."""
-    begin = int(np.argmax(np.abs(sound) > 0.03 * np.abs(sound).max()))
-    return sound[max(0, begin - int(0.003 * RATE)):]
+    return sound[onset(sound):]
 
 
 def a_weighting(f):
@@ -41,14 +44,23 @@ def a_weighting(f):
     return 2 + 20 * np.log10(12194 ** 2 * q * q / ((q + 20.6 ** 2) * np.sqrt((q + 107.7 ** 2) * (q + 737.9 ** 2)) * (q + 12194 ** 2)))
 
 
-def mel(sound, seconds, top, bands=48, n=2048, hop=512):
-    """Powers by window and band from 60 Hz to `top`."""
-    sound = sound[:int(seconds * RATE)]
+def windows(sound, seconds, n=2048, hop=512):
+    """Spectra of n samples each."""
+    return [np.fft.rfft(sound[a:a + n] * np.hanning(n)) for a in range(0, min(len(sound), int(seconds * RATE)) - n, hop)]
+
+
+def mel_bank(top, bands=48, n=2048):
+    """Weights, by band from 60 Hz to `top`, of the frequencies of such spectra."""
     edges = 700 * (10 ** (np.linspace(*(2595 * np.log10(1 + np.array([60, top]) / 700)), bands + 2) / 2595) - 1)
     f = np.fft.rfftfreq(n, 1 / RATE)
     bank = np.maximum(0, np.minimum((f - edges[:-2, None]) / np.diff(edges)[:-1, None], (edges[2:, None] - f) / np.diff(edges)[1:, None]))
-    bank /= bank.sum(1, keepdims=True) + 1e-12
-    return np.array([bank @ np.abs(np.fft.rfft(sound[a:a + n] * np.hanning(n))) ** 2 for a in range(0, len(sound) - n, hop)])
+    return bank / (bank.sum(1, keepdims=True) + 1e-12)
+
+
+def mel(sound, seconds, top):
+    """Powers by window and band."""
+    bank = mel_bank(top)
+    return np.array([bank @ np.abs(spectrum) ** 2 for spectrum in windows(sound, seconds)])
 
 
 def text_of(file):

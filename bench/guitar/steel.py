@@ -7,7 +7,7 @@
 
 PROGRAM is contactspline. FOLDER holds files of resonators; `fit` writes them there: those of data/resonators with other losses of
 strings and other pickup shapes of the body. RECORDINGS, FITTED and KEPT hold SOURCE/KEY.wav, notes of open strings. What is made small
-is that of make.py without loudness. The search begins at the numbers below, so that a second one
+is that of bench/strings.py without loudness. The search begins at the numbers below, so that a second one
 ends where the first did. The modes of the body below 600 Hz have numbers of their own, the others a curve over the frequency. All
 are then multiplied by SCALE, so that the scores that ship are as loud as before.
 
@@ -25,13 +25,14 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import least_squares
 
-import make
+sys.path.insert(0, str(Path(__file__).parents[1]))
+import strings
 from notes import read, rounded
 
 SHIPPED = Path(__file__).parents[2] / "data" / "resonators"
 STRINGS = {40: "guitar_e2", 45: "guitar_a2", 50: "guitar_d3", 55: "guitar_g3", 59: "guitar_b3", 64: "guitar_e4"}
 # Inharmonicity of these strings.
-OF = {"seconds": 1.8, "top": 12000, "inharmonicity": {40: 5.1e-5, 45: 5e-5, 50: 4.3e-5, 55: 4.4e-5, 59: 3e-5, 64: 1.9e-5}}
+OF = {"seconds": 1.8, "top": 12000, "tops": {}, "inharmonicity": {40: 5.1e-5, 45: 5e-5, 50: 4.3e-5, 55: 4.4e-5, 59: 3e-5, 64: 1.9e-5}}
 KNOTS = [600, 1000, 1700, 2800, 4600]
 PRIOR = 0.5
 SCALE = 0.65
@@ -82,7 +83,7 @@ def note(program, folder, key):
                  "events": [{"time_s": 0, "place_m": 0.3, "gap_m": 0.05}, {"time_s": 0.05, "voice": "v", "pluck_n": 3}]}
         Path(f"{scratch}/score.json").write_text(json.dumps(score), encoding="utf-8")
         subprocess.run([program, "render", f"{scratch}/score.json", "--no-figure", "-o", f"{scratch}/note.wav"], check=True, capture_output=True)
-        return make.Note(read(f"{scratch}/note.wav"), key, OF)
+        return strings.Note(read(f"{scratch}/note.wav"), key, OF)
 
 
 def write(p, folder):
@@ -91,7 +92,7 @@ def write(p, folder):
 
 
 def fit(program, recordings, folder):
-    theirs = make.notes_of(recordings, OF)
+    theirs = strings.notes_of(recordings, OF)
     names = list(USUAL)
     low, high = np.log([RANGES[name.split("_")[0]] for name in names]).T
     usual = np.log(list(USUAL.values()))
@@ -108,7 +109,7 @@ def fit(program, recordings, folder):
         found = []
         for i, x in enumerate(places):
             here = dict(zip(STRINGS, ours[i * len(STRINGS):]))
-            found.append(np.concatenate([make.residuals(here[key], other) for (_, key), other in theirs.items()] + [PRIOR * (x - usual)]))
+            found.append(np.concatenate([strings.residuals(here[key], other) for (_, key), other in theirs.items()] + [PRIOR * (x - usual)]))
         return found
 
     def slopes(x):
@@ -123,7 +124,7 @@ def fit(program, recordings, folder):
 
 def distance(program, folder, *recordings):
     ours = {key: note(program, folder, key) for key in STRINGS}
-    make.shown(ours, recordings, OF)
+    strings.shown(ours, recordings, OF)
 
 
 if __name__ == "__main__":

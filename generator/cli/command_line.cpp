@@ -483,7 +483,7 @@ void add_render(CLI::App& app) {
   });
   add_mass_barrier(*command);
   add_model(*command, Model::kHammerString, "Felt hammers on strings, bars or drums, played from a score",
-            "dulcimer");
+            "fur_elise");
   add_model(*command, Model::kSlideString, "Plucked strings with a slide, played from a score", "slide_guitar");
   add_model(*command, Model::kFretString, "Plucked strings that buzz against a fret, played from a score",
             "fret_buzz");

@@ -106,8 +106,8 @@ TEST(BadScore, IsNoNameThatShips) {
   const Sandbox box;
   expect_refused(render(box, "hammer-string", "waltz"), "waltz: SCORE: no such score ships",
                  "allowed: a .json or .mid file, bach_prelude, buzz_line, cello_prelude");
-  expect_refused(render(box, "hammer-string", "dulcima"), "dulcima: SCORE: no such score ships",
-                 "allowed: a .json or .mid file, dulcimer, bach_prelude");
+  expect_refused(render(box, "hammer-string", "dulcimer_jog"), "dulcimer_jog: SCORE: no such score ships",
+                 "allowed: a .json or .mid file, dulcimer_jig, bach_prelude");
 }
 
 TEST(BadScore, MayBeTooFineForMemory) {
@@ -235,7 +235,7 @@ TEST(BadMidiChannel, IsRefused) {
   expect_refused(play("probe.mid", "0"), "--channel: '0' is refused", "allowed: an integer from 1 to 16");
   expect_refused(play("probe.mid", "2"), "probe.mid: MIDI: no note is on channel 2", "allowed: --channel 1");
   expect_refused(play("probe.json", "1"), "probe.json: --channel: the score is not a MIDI file", "a .mid file");
-  expect_refused(play("dulcimer", "1"), "dulcimer: --channel: the score is not a MIDI file", "a .mid file");
+  expect_refused(play("dulcimer_jig", "1"), "dulcimer_jig: --channel: the score is not a MIDI file", "a .mid file");
   EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
 }
 

@@ -68,7 +68,7 @@ INSTANTIATE_TEST_SUITE_P(
         {"render_mass_barrier", {"render", "mass-barrier", "--duration", "0.01", "-o", "a.wav"}, 0},
         {"render_mass_barrier_bad_option", {"render", "mass-barrier", "--mass", "-1", "-o", "a.wav"}, 2},
         {"render_hammer_string_bad_score", {"render", "hammer-string", "--score", "fret_buzz", "-o", "a.wav"}, 2},
-        {"render_slide_string_bad_score", {"render", "slide-string", "--score", "dulcimer", "-o", "a.wav"}, 2},
+        {"render_slide_string_bad_score", {"render", "slide-string", "--score", "fur_elise", "-o", "a.wav"}, 2},
         {"render_hammer_string", {"render", "hammer-string", "--score", "stroke.json", "-o", "a.wav"}, 0},
         {"render_fret_string", {"render", "fret-string", "--score", "buzz.json", "-o", "a.wav"}, 0}}),
     ::testing::PrintToStringParamName());

@@ -100,7 +100,7 @@ add_dependencies(faust_dsp_test plot_hammer_string)
 
 # Instruments from files behind the same interface, and as Faust programs.
 set(programs "")
-foreach(instrument trichord_c4 prepared_piano classical_guitar marimba)
+foreach(instrument trichord_c4 prepared_piano classical_guitar marimba dulcimer)
   faust_header(${instrument}_double ${ContactSpline_FAUST_DIR}/${instrument}.lib double)
   list(APPEND programs ${instrument}_double)
 endforeach()

@@ -17,12 +17,14 @@
 #include "contactspline/host/engine.hpp"
 #include "contactspline/host/faust_dsp.hpp"
 #include "contactspline/instruments/classical_guitar.hpp"
+#include "contactspline/instruments/dulcimer.hpp"
 #include "contactspline/instruments/marimba.hpp"
 #include "contactspline/instruments/prepared_piano.hpp"
 #include "contactspline/instruments/slap_bass.hpp"
 #include "contactspline/instruments/snare.hpp"
 #include "contactspline/instruments/tanpura.hpp"
 #include "contactspline/instruments/trichord_c4.hpp"
+#include "dulcimer_double.hpp"
 #include "marimba_double.hpp"
 #include "prepared_piano_double.hpp"
 #include "support/by_sample.hpp"
@@ -368,6 +370,8 @@ TEST(FaustInstrument, OfBodiesOnSpringsIsTheClass) {
       10000, {{0, "cavity_stiffness_n_per_m", 50000}, {100, "pluck_finger_d3", 1}, {5000, "hand_damping_per_s", 20}});
   expect_same_sound<instruments::marimba<double>, marimba_double>(
       10000, {{100, "strike_mallet_ds4", 1}, {5000, "tubes_damping_per_s", 100}});
+  expect_same_sound<instruments::dulcimer<double>, dulcimer_double>(
+      10000, {{100, "strike_cs5_hammer", 1}, {3000, "strike_e4_hammer", 1}, {5000, "hand_damping_per_s", 20}});
 }
 
 template <typename Dsp>

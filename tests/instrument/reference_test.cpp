@@ -38,6 +38,7 @@ struct Excitation {
 // of a hit by 1e-16 m. A force of 3.6 N compresses steel by 5e-7 m, so the force is wrong by up to 1.5 times 2e-10.
 const std::map<std::string, Excitation> kExcitations = {
     {"classical_guitar", {"guitar_arpeggio", "saddle", 2205, 1}},
+    {"dulcimer", {R"({ "time_s": 0.1, "cs5_hammer_speed_m_per_s": 2 })", "bridge_cs5", 2205, 1}},
     {"fret_guitar", {R"({ "time_s": 0.1, "finger_release_n": 3 })", "over_fret", 110, 1, 3e-10}},
     {"kit",
      {R"({ "time_s": 0.1, "snare_speed_m_per_s": 3, "tom_10_speed_m_per_s": 2, "bass_speed_m_per_s": 2 })", "pickup",

@@ -1,0 +1,224 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""Makes the file of the dulcimer, with parts that are fitted to recorded notes.
+
+    make.py write FILE
+    make.py heard PROGRAM RECORDINGS                # prints numbers, which stand below as HEARD
+    make.py fit PROGRAM RECORDINGS FILE             # prints others, which stand below as BEGIN
+    make.py distance PROGRAM FILE FITTED KEPT
+
+PROGRAM is contactspline. RECORDINGS, FITTED and KEPT hold SOURCE/KEY.wav, single notes at 44.1 kHz under their keys of MIDI. `fit`
+searches by least squares from where a search ended: losses of the strings, how far the two of a course are apart, where they are
+struck, hammer and its face, masses and decays of the modes of the board. `heard` searches how strongly each of these modes sounds
+outside, where neighbours are alike, with the forces on the board that are rendered. In turns they came to where they are. What is
+made small is that of bench/strings.py, in `heard` without the decays.
+
+Fitted: C4, G4, G5 and C6 of Dulcimer of FluidR3 GM (fluid-soundfont-gm, MIT), each channel as a source. Kept: its C5, and D4, G4, C5,
+G5 and C6 of Dulcimer of freepats (GPL-2 with an exception for music).
+"""
+import sys
+from pathlib import Path
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.signal import lfilter
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from notes import RATE, a_weighting, mel_bank, onset, text_of, windows
+from strings import LEVELS, Note, distance, fit, notes_of, number, rendered, robust
+
+COURSES = {"e4": (60, 64, 68, 40), "cs5": (69, 73, 77, 26), "as5": (78, 82, 86, 17)}  # first key, that of the file, last, modes of a string
+SHARP = {"e4": 5.5, "cs5": 6, "as5": 15.6}  # cents, as rendered: few modes make the support at the bridge soft
+FITTED = (60, 67, 79, 84)
+ENDS = (60, 84)  # keys between which numbers of strings and hammers go by ratios
+WIRE = 1.2485e-3  # kg/m: steel of 0.45 mm
+BEHIND = 0.03  # of the length: from the bridge to the pin behind it
+SCALE = [0, 1, 2, 4, 6, 7, 9, 11]  # of D and G major
+INHARMONICITY = {60: 1e-4, 62: 2.2e-4, 67: 2.3e-4, 72: 2.2e-4, 79: 1.8e-4, 84: 4.8e-4}  # where partials are looked for
+ALIKE = (1.5, 3)  # how much an e-fold between neighbouring modes counts beside a decibel: first less
+HEADER = """\
+// Hammered dulcimer of C4 to D6: three courses of two steel strings of 0.45 mm under a hammer, of which keys tune one over nine semitones.
+// Strings run over a bridge to a pin behind it. The board is a table of modes, one for each 45 Hz up to 900 Hz and one for each 5 % of the
+// frequency above; behind them stand, a mode each, strings of the scales of D and G, which nobody strikes or damps and which ring along.
+// Written by bench/dulcimer/make.py: losses of the strings, how far the two of a course are apart, where they are struck, the mass of the
+// hammer and the stiffness of its face, masses and decays of the modes and how they sound outside are fitted to C4, G4, G5 and C6 of
+// Dulcimer of FluidR3 GM (MIT). Log-mel spectrograms are 4.3 to 8 dB from these notes, 5.2 and 5.8 dB from both channels of its C5 and 7.6 to
+// 10.3 dB from Dulcimer of freepats, which were not fitted; these two are 5.5 to 9.1 dB from each other.
+"""
+
+
+def modes():
+    """Frequency, distance of the next one [Hz], 0 of strings that nobody strikes, shapes at the bridge under each course, signs outside."""
+    random = np.random.default_rng(1)
+    at, f = [], 110
+    while f < 11000:
+        apart = max(45, 0.05 * f)
+        f += apart * random.uniform(0.7, 1.3)
+        at.append((number(f, 4), apart))
+    at += [(number(440 * 2 ** ((key - 69) / 12 + random.uniform(-0.01, 0.01)), 5), 0) for key in range(62, 122) if key % 12 in SCALE]
+    found = [(f, apart, random.choice([-1, 1], len(COURSES)) * random.uniform(0.4, 1, len(COURSES)), *random.choice([-1, 1], 2)) for f, apart in at]
+    return [mode for mode in found if mode[1] or mode[0] < 6000]
+
+
+MODES = modes()
+DECAYS = [200, 800, 2500, 9000]  # Hz
+USUAL = {"constant_low": 2, "constant_high": 2, "quadratic_low": 4e-4, "quadratic_high": 4e-4, "apart_low": 1.2, "apart_high": 1.2, "struck_low": 0.1, "struck_high": 0.15,
+         "weight_low": 40, "weight_high": 40, "hammer": 0.006, "mass_low": 0.4, "mass_high": 0.4, "decay_200": 25, "decay_800": 80, "decay_2500": 200, "decay_9000": 600,
+         "ringing_low": 5, "ringing_high": 12}
+BEGIN = {"constant_low": 1.24, "constant_high": 0.671, "quadratic_low": 0.000361, "quadratic_high": 0.000192, "apart_low": 1.52, "apart_high": 1.8,
+         "struck_low": 0.119, "struck_high": 0.185, "weight_low": 39.9, "weight_high": 91.5, "hammer": 0.00579, "mass_low": 1.45, "mass_high": 0.401,
+         "decay_200": 23.1, "decay_800": 131, "decay_2500": 181, "decay_9000": 60, "ringing_low": 4.14, "ringing_high": 12.2}
+HEARD = [0.185, 0.195, 0.217, 0.273, 0.371, 0.478, 0.668, 0.976, 1.43, 1.49, 1.45, 1.39, 1.31, 1.18, 1.2, 1.74, 2.35, 3.14, 4.02, 4.78, 5.15, 3.56,
+         2.6, 2.19, 2.48, 3.25, 3.09, 3.6, 2.79, 2.14, 1.47, 1.23, 1.34, 1.35, 1.64, 1.51, 1.39, 1.05, 1.07, 0.749, 0.519, 0.772, 1.26, 0.87, 0.566,
+         0.535, 0.669, 1.58, 2.23, 1.6, 1.53, 2.71, 1.4, 0.646, 0.597, 0.519, 0.473, 0.595, 0.766, 1.85, 4.32, 3.06, 4.37, 3.77, 4.23, 2.93, 2.08,
+         3.04, 2.57, 1.33, 1.22, 1.76, 4.27, 2.7, 2.64, 3.08, 4.44, 6.62, 9.43, 8.99, 7.13, 11, 14.5, 17.3, 17.4, 15.8, 17.6, 22.4, 26.7, 28.1, 31,
+         47.3, 47, 44, 36.5, 58.6, 68.4, 58.6, 15.4, 16.1, 21.4, 44.1, 67, 37]
+RANGES = {"constant": (0.2, 8), "quadratic": (1e-5, 3e-3), "apart": (0.1, 6), "struck": (0.04, 0.35), "weight": (1, 1000), "hammer": (0.002, 0.02), "mass": (0.05, 5),
+          "decay": (5, 2000), "ringing": (1, 60)}
+
+
+def between(p, name, at):
+    return p[f"{name}_low"] ** (1 - at) * p[f"{name}_high"] ** at
+
+
+def table(p):
+    """Of the board: its own modes, and strings of the scale that nobody strikes, which ring along."""
+    found = []
+    for f, apart, *_ in MODES:
+        at = np.clip(np.log(f / 200) / np.log(6000 / 200), 0, 1)
+        if apart:
+            decay = np.exp(np.interp(np.log(f), np.log(DECAYS), np.log([p[f"decay_{k}"] for k in DECAYS])))
+            mass = between(p, "mass", at) * 45 / apart
+        else:
+            decay, mass = between(p, "ringing", at), 20
+        found.append({"frequency_hz": f, "decay_per_s": number(decay), "mass_kg": number(mass)})
+    return found
+
+
+def dulcimer(p, _=None, heard=HEARD):
+    bodies, places, contacts, links, keys = [], [], [], [], []
+    for i, (course, (first, key, last, count)) in enumerate(COURSES.items()):
+        at = (key - ENDS[0]) / (ENDS[1] - ENDS[0])
+        f = 440 * 2 ** ((key - 69) / 12)
+        speaking = 0.45 * (392 / f) ** 0.8
+        length = number(speaking * (1 + BEHIND), 4)
+        b = 1e-4 * 5 ** at  # about that of recorded notes
+        tension = WIRE * (2 * speaking * f) ** 2 * 2 ** (-SHARP[course] / 600)
+        string = {"length_m": length, "mass_kg": number(WIRE * length, 5), "tension_n": number(tension / (1 + b), 6),
+                  "bending_stiffness_n_m2": number(b * tension * speaking ** 2 / np.pi ** 2),
+                  "constant_loss_per_s": number(between(p, "constant", at)), "quadratic_loss_m2_per_s": number(between(p, "quadratic", at))}
+        apart = number(between(p, "apart", at) / 2)
+        for side, cents in (("left", -apart), ("right", apart)):
+            name = f"{course}_{side}"
+            bodies.append({"name": name, "tuning_cents": cents, "string": string, "max_modes": count})
+            places += [{"name": f"{name}_struck", "body": name, "position_m": number(speaking * (1 - between(p, "struck", at)))},
+                       {"name": f"{name}_over_bridge", "body": name, "position_m": number(speaking, 4)}]
+            contacts.append({"name": f"{name}_head", "between": [f"{course}_hammer", f"{name}_struck"], "material": "felt_c4", "weight": number(between(p, "weight", at)),
+                             "gap_m": 0.003})
+            links.append({"name": f"{name}_bridge", "between": [f"{name}_over_bridge", f"bridge_{course}"]})
+        bodies.append({"name": f"{course}_hammer", "mass_kg": number(p["hammer"])})
+        places.append({"name": f"bridge_{course}", "body": "board", "shapes": [number(shapes[i]) for _, _, shapes, _, _ in MODES]})
+        keys.append({"first": first, "last": last, "event": f"strike_{course}_hammer", "tuned_key": key, "bodies": [f"{course}_left", f"{course}_right"]})
+    bodies.append({"name": "board", "modes": table(p)})
+    places += [{"name": side, "body": "board", "shapes": [number(h * mode[sign]) for h, mode in zip(heard, MODES)]} for side, sign in (("left", 3), ("right", 4))]
+    strings = [f"{course}_{side}" for course in COURSES for side in ("left", "right")]
+    heads, bridges = ([f"{name}_{part}" for name in strings] for part in ("head", "bridge"))
+    return {"name": "dulcimer", "description": "hammered dulcimer, courses of two strings on a board", "bodies": bodies, "places": places, "contacts": contacts, "links": links,
+            "controls": [{"name": "head", "stiffness_ratio": heads, "min": 0.01, "max": 100}, {"name": "head", "loss_s_per_m": heads, "initial": 0.1, "max": 2},
+                         {"name": "hand", "damping_per_s": strings, "max": 1000}],
+            "strikes": [f"{course}_hammer" for course in COURSES],
+            "outputs": [{"name": "left", "velocity_m_per_s": "left", "full_scale": 0.18}, {"name": "right", "velocity_m_per_s": "right", "full_scale": 0.18},
+                        {"name": "bridge", "force_n": bridges, "full_scale": 40}, {"name": "hammer", "force_n": heads}],
+            "input": {"force_n": "bridge_cs5", "full_scale": 10}, "keys": keys, "polyphony": 8, "damper": {"bodies": strings, "damping_per_s": 8}}
+
+
+# As bench/strings.py says.
+DULCIMER = {"of": dulcimer, "strings": {key: () for key in FITTED}, "usual": USUAL, "begin": BEGIN, "ranges": RANGES, "about": HEADER, "events": [], "velocity": 0.7,
+            "inharmonicity": INHARMONICITY, "seconds": 1.2, "top": 12000, "tops": {84: 6000}, "prior": 0.3, "loudness": 0, "compared": []}
+
+
+def velocities(program, key, numbers):
+    """Of the modes of the board in a note, up to one factor."""
+    file = dulcimer(numbers)
+    file["outputs"] = [{"name": f"under_{course}", "force_n": [f"{course}_left_bridge", f"{course}_right_bridge"]} for course in COURSES]
+    forces = [rendered(program, DULCIMER, file, key, "--bits", "32", "--signal", f"under_{course}") for course in COURSES]
+    found = []
+    for mode, (_, _, shapes, _, _) in zip(table(numbers), MODES):
+        w, decay = 2 * np.pi * mode["frequency_hz"], mode["decay_per_s"]
+        turn = np.exp((1j * w - decay) / RATE)
+        found.append(lfilter([1, -turn.real - decay / w * turn.imag], [1, -2 * turn.real, abs(turn) ** 2], shapes @ forces) / mode["mass_kg"])
+    return np.array(found)
+
+
+class Parts:
+    """What each mode of the board adds to the spectra of a note, which depend on the vector `heard` linearly."""
+
+    def __init__(self, of_modes, key, heard):
+        sound = heard @ of_modes
+        note, begin = Note(sound, key, DULCIMER), onset(sound)
+        of_modes = of_modes[:, begin:]
+        bank = mel_bank(DULCIMER["tops"].get(key, DULCIMER["top"]))
+        self.bank = bank[:, bank.any(0)]
+        self.windows = np.array([windows(of, DULCIMER["seconds"]) for of in of_modes]).astype(np.complex64)[:, :, bank.any(0)]
+        self.whole = np.fft.rfft(of_modes[:, :int(0.6 * RATE)], RATE) * 10 ** (a_weighting(np.fft.rfftfreq(RATE, 1 / RATE)) / 20)
+        n = 1 << 15
+        part = of_modes[:, int(0.03 * RATE):int(0.03 * RATE) + n]
+        self.partials = np.fft.rfft(part * np.blackman(part.shape[1]), n)[:, [round(f * n / RATE) for f in note.at]]
+
+    @staticmethod
+    def levels(spectra, heard, summed):
+        """Levels [dB] of the sum of spectra, of which `summed` makes few powers, and their slopes over the logarithms of `heard`."""
+        spectrum = np.tensordot(heard, spectra, 1)
+        power = summed(np.abs(spectrum) ** 2)
+        slopes = np.array([summed(2 * h * (np.conj(spectrum) * of).real) for h, of in zip(heard, spectra)])
+        return 10 * np.log10(power + 1e-30), 10 / np.log(10) * slopes / (power + 1e-30)
+
+    def residuals(self, heard, note):
+        """As strings.residuals, without decays, and slopes."""
+        n = min(self.windows.shape[1], len(note.power)) // 4 * 4
+        mean = lambda power: power.reshape(n // 4, 4, -1).mean(1)
+        ours, slopes = self.levels(self.windows[:, :n], heard, lambda power: mean(power @ self.bank.T))
+        loudness, of_loudness = self.levels(self.whole, heard, lambda power: power.sum())
+        floor = note.mel.max() - 60
+        ours += note.loudness - loudness
+        slopes = np.where(ours > floor, slopes - of_loudness[:, None, None], 0)
+        d = np.maximum(ours, floor) - np.maximum(10 * np.log10(mean(note.power[:n])), floor)
+        levels, of_levels = self.levels(self.partials, heard, lambda power: power)
+        is_heard = (note.levels > note.levels.max() - 50)[:len(levels)]
+        apart = (levels - note.levels[:len(levels)])[is_heard]
+        middle = np.argsort(apart)[len(apart) // 2]
+        apart, of_levels = apart - apart[middle], (of_levels - of_levels[:, is_heard][:, [middle]])[:, is_heard]
+        gain = (robust(apart + 1e-3) - robust(apart - 1e-3)) / 2e-3
+        scale = LEVELS / np.sqrt(20)
+        return (np.concatenate([d.ravel() / np.sqrt(d.size), scale * robust(apart)]),
+                np.concatenate([slopes.reshape(len(heard), -1) / np.sqrt(d.size), scale * gain * of_levels], 1).T)
+
+
+def search_heard(program, recordings, numbers=BEGIN, begin=HEARD, steps=20):
+    theirs = {at: note for at, note in notes_of(recordings, DULCIMER).items() if at[1] in FITTED}
+    signs = np.array([mode[3] for mode in MODES])
+    parts = {key: Parts(velocities(program, key, numbers), key, signs * begin) for key in FITTED}
+    pairs = (np.eye(len(MODES), k=1) - np.eye(len(MODES)))[[bool(a[1]) == bool(b[1]) for a, b in zip(MODES, MODES[1:])] + [False]]
+    x = np.log(begin)
+    for alike in ALIKE:
+        def found(x):
+            both = [parts[key].residuals(signs * np.exp(x), note) for (_, key), note in theirs.items()]
+            return np.concatenate([d for d, _ in both] + [alike * pairs @ x]), np.concatenate([slopes for _, slopes in both] + [alike * pairs])
+
+        best = least_squares(lambda x: found(x)[0], x, lambda x: found(x)[1], max_nfev=steps, ftol=1e-3)
+        x = best.x
+        print(f"{2 * best.cost:.3f}", flush=True)
+    return [number(h) for h in np.exp(x)]
+
+
+if __name__ == "__main__":
+    if len(sys.argv) == 3 and sys.argv[1] == "write":
+        Path(sys.argv[2]).write_text(HEADER + text_of(dulcimer(BEGIN)), encoding="utf-8")
+    elif len(sys.argv) == 4 and sys.argv[1] == "heard":
+        print(search_heard(*sys.argv[2:]))
+    elif len(sys.argv) == 5 and sys.argv[1] == "fit":
+        fit(sys.argv[2], DULCIMER, *sys.argv[3:])
+    elif len(sys.argv) == 6 and sys.argv[1] == "distance":
+        distance(sys.argv[2], {"dulcimer": {**DULCIMER, "tops": {}}}, *sys.argv[3:])
+    else:
+        sys.exit(__doc__)
