@@ -5,12 +5,12 @@
 #include <cstddef>
 #include <numbers>
 #include <ostream>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "contactspline/instrument/network_instrument.hpp"
-#include "contactspline/instrument/voices.hpp"
+#include "contactspline/host/engine.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "support/compare.hpp"
@@ -46,11 +46,13 @@ struct Heard {
   double level, fall;
 };
 
-Heard heard(Voices<NetworkInstrument<double>>& instrument, int key) {
+Heard heard(AnyInstrument<double>& instrument, int key) {
   instrument.reset();
   instrument.note_on(key, 0.7);
   std::vector<double> sound(static_cast<std::size_t>(0.6 * kRate));
-  instrument.process(sound);
+  std::vector<std::span<double>> outputs(instrument.outputs().size());
+  outputs[0] = sound;
+  instrument.process(outputs, {});
   weigh(sound);
   return {decibels(sound, 0, 0.6), decibels(sound, 0.1, 0.35) - decibels(sound, 0.35, 0.6)};
 }
@@ -70,13 +72,13 @@ TEST_P(EvenKeys, AreAsLoudAsTheirNeighbours) {
   const InstrumentModel model =
       parse_instrument(find_embedded(Shipped::kInstruments, std::string(name) + ".json")->content, name);
   const InstrumentArrays arrays = arrays_of(model, kRate / 2);
-  Voices<NetworkInstrument<double>> instrument(arrays.view());
-  instrument.prepare(kRate);
+  const Handle<double> instrument = Engine<double>::network(arrays.view());
+  instrument->prepare(kRate);
   double largest_step = 0, largest_ratio = 1;
   std::vector<Heard> all;
   for (const KeyRange& range : model.keys.ranges)
     for (int key = range.first; key <= range.last; ++key) {
-      all.push_back(heard(instrument, key));
+      all.push_back(heard(*instrument, key));
       if (all.size() == 1) continue;
       const Heard& before = all[all.size() - 2];
       const double louder = all.back().level - before.level, of_fall = all.back().fall / before.fall;
