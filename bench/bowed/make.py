@@ -15,7 +15,9 @@ PROGRAM is contactspline. RECORDINGS holds SOURCE/KEY.wav, notes that are held, 
    They are those of a plate whose single resonances nobody hears. Their masses give each the ADMITTANCE at its resonance;
 3. what the body radiates, `wood`: the shapes of these modes with which the levels of partials up to TOP Hz are those of the
    recordings, where the force on the bridge is that of PROGRAM. Least is the sum of squares of the differences in dB of each
-   note from its median, robustly (soft L1 beyond 3 dB), and of PULL times each mode's level in dB less the mean of its neighbours'.
+   note from its median, robustly (soft L1 beyond 3 dB), of PULL times each mode's level in dB less the mean of its neighbours', and
+   of `even` times how far the loudness of all keys, in dB(A) less the mean, is from a line as steep as that of the recordings. That
+   of the violin is 0: partials of C#4 and of C#6 fall on several modes, which leaves them 13 dB louder than their neighbours.
    Every second note of each source is kept from the fit.
 
 `distance` prints the median and the 90 % limit of the differences of partials 1 to 15 below 10 kHz from each note's median,
@@ -34,7 +36,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
-from notes import RATE, read, recorded, rounded, text_of  # noqa: E402
+from notes import RATE, a_weighting, read, recorded, rounded, text_of  # noqa: E402
 
 BOW, POINTS, HAIR_M = 0.12, 4, 0.01
 ABOVE = 15  # semitones from the highest string up, over which keys tune it
@@ -45,7 +47,7 @@ INSTRUMENTS = {
         "description": "four strings of a violin under a bow", "length_m": 0.325, "behind_m": 0.012,
         "strings": [("g", 55, 46, 6e-5), ("d", 62, 47.7198, 5e-5), ("a", 69, 55, 3e-5), ("e", 76, 76, 4.5e-5)],
         "low": [(275, 29, 0.6), (405, 30, 0.5), (455, 35, 0.2), (540, 42, 0.15), (700, 55, 0.4), (850, 70, 0.35), (1010, 80, 0.35)],
-        "from_hz": 1100, "force_n": 0.5, "full_scale": 0.021, "about": """\
+        "from_hz": 1100, "even": 0, "force_n": 0.5, "full_scale": 0.021, "about": """\
 // A violin under four points of hair of a rigid bow. The D string has the impedance of a steel D string, 0.25 kg/s (Schoonderwaldt,
 // Guettler and Askenfelt, Acta Acustica united with Acustica 94, 2008); the tensions of the others are typical ones. Lowest modes of
 // the body about A0, CBR, B1- and B1+.
@@ -54,7 +56,7 @@ INSTRUMENTS = {
         "description": "four strings of a cello under a bow", "length_m": 0.69, "behind_m": 0.025,
         "strings": [("c", 36, 132, 5e-4), ("g", 43, 134, 4e-4), ("d", 50, 111, 3e-4), ("a", 57, 160, 3e-4)],
         "low": [(60, 10, 3), (102, 13, 2), (145, 16, 1.5), (175, 20, 1.1), (197, 22, 1.1), (240, 25, 1.2), (300, 28, 1)],
-        "from_hz": 350, "force_n": 1, "full_scale": 0.02, "about": """\
+        "from_hz": 350, "even": 1.5, "force_n": 1, "full_scale": 0.02, "about": """\
 // A cello under four points of hair of a rigid bow. The D string has the tension and the stiffness of Mansour, Woodhouse and Scavone
 // (Acta Acustica united with Acustica 102, 2016); those of the others are typical ones. Lowest modes of the body about A0, CBR, B1-
 // and B1+.
@@ -181,13 +183,26 @@ def radiated(modes_of, levels_of, f):
     return np.abs((levels_of * 2j * decay * w / (w0 ** 2 + decay ** 2 - w ** 2 + 2j * decay * w)).sum(1))
 
 
+def loudness(f, level):
+    """Of partials [dB(A)]."""
+    return 10 * np.log10((10 ** ((level + a_weighting(f)) / 10)).sum())
+
+
+def steepness(sounds):
+    """Of the loudness of recorded notes [dB(A) a key], the mean of the sources."""
+    notes = {at: loudness(*levels(sound, at[1])) for at, sound in sounds.items()}
+    return np.mean([np.polyfit(*zip(*[(key, level) for (s, key), level in notes.items() if s == source]), 1)[0] for source in {source for source, _ in notes}])
+
+
 def fit_wood(kind, sounds, forces):
-    """Shapes of the modes with which the body radiates."""
+    """Shapes of the modes with which the body radiates. forces: on the bridge, of all keys."""
+    partials = {key: levels(force, key) for key, force in forces.items()}
+    keys, rise = np.array(list(partials)), steepness(sounds)
     rows = []
     for source in sorted({source for source, _ in sounds}):
         for key in sorted(key for s, key in sounds if s == source)[::2]:
             f, level = levels(sounds[source, key], key)
-            _, force = levels(forces[key], key)
+            _, force = partials[key]
             n = min(len(level), len(force))
             heard = force[:n] > force.max() - 45
             rows.append((f[:n][heard], level[:n][heard] - force[:n][heard]))
@@ -198,6 +213,8 @@ def fit_wood(kind, sounds, forces):
         for f, difference in rows:
             error = difference - 20 * np.log10(radiated(box, x, f) + 1e-9)
             result.append((error - np.median(error)) * math.sqrt(8 / len(error)))
+        louder = np.array([loudness(f, force + 20 * np.log10(radiated(box, x, f) + 1e-9)) for f, force in partials.values()]) - rise * keys
+        result.append(INSTRUMENTS[kind]["even"] * (louder - louder.mean()))
         level = 20 * np.log10(np.abs(x) + 1e-3)
         padded = np.concatenate([level[:1], level, level[-1:]])
         return np.concatenate(result + [PULL * (level - np.convolve(padded, [0.25, 0.5, 0.25], "valid"))])
@@ -219,7 +236,7 @@ def fit(program, kind, folder, path):
     lowest, highest = keys[0][0], keys[-1][0] + ABOVE
     sounds = {at: sound for at, sound in held(folder).items() if lowest <= at[1] <= highest}
     write(kind, [1] * len(body_of(kind)), path)
-    forces = rendered(program, path, sorted({key for _, key in sounds}), "bridge")
+    forces = rendered(program, path, list(range(lowest, highest + 1)), "bridge")
     write(kind, fit_wood(kind, sounds, forces), path)
 
 

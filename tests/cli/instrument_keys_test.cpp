@@ -121,8 +121,8 @@ TEST_F(KeysOnTheCommandLine, RingOutAndHaveBits) {
 
 // Keys that tune nothing are those of a drum, which plays the tenth channel.
 TEST_F(KeysOnTheCommandLine, OfADrumPlayTheTenthChannel) {
-  write_file(box_ / "drum.json",
-             changed(changed(kGood, R"(, "tuned_key": 60)", ""), R"("first": 48)", R"("first": 36)"));
+  write_file(box_ / "drum.json", changed(changed(kGood, R"(, "tuned_key": 60, "per_octave": 1.5)", ""),
+                                         R"("first": 48)", R"("first": 36)"));
   EXPECT_EQ(render("drums.mid", "drum.json").exit_code, 0);
   EXPECT_EQ(render("song.mid", "drum.json", {"--channel", "1"}).exit_code, 0);
   expect_refused(render("song.mid", "drum.json"),
@@ -229,12 +229,12 @@ TEST_F(KeysOnTheCommandLine, BrokenModelsAreRefusedInOneLine) {
 TEST_F(KeysOnTheCommandLine, AreInWhatInspectSays) {
   const Outcome outcome = run_here({"inspect", "probe.json"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  for (const char* line :
-       {"keys, on 4 voices\n",
-        "  48 to 62                           strike_hammer, tuned: 60 has the pitch of the file\n",
-        "  70                                 pluck_finger\n",
-        "  damper                             55 1/s on string\n",
-        "  bright                             felt_stiffness_ratio 4, hammer_speed_m_per_s 5\n"})
+  for (const char* line : {"keys, on 4 voices\n",
+                           "  48 to 62                           strike_hammer, tuned: 60 has the pitch of the file, "
+                           "1.5 times as strong per octave\n",
+                           "  70                                 pluck_finger\n",
+                           "  damper                             55 1/s on string\n",
+                           "  bright                             felt_stiffness_ratio 4, hammer_speed_m_per_s 5\n"})
     EXPECT_NE(outcome.out.find(line), std::string::npos) << line << outcome.out;
 }
 
@@ -301,8 +301,8 @@ TEST_F(KeysOnTheCommandLine, SayThatDrumsAreLeftOut) {
     EXPECT_EQ(run_here(words).err, says);
     EXPECT_EQ(run_here(followed_by(words, {"--channel", "1"})).err, "");
   }
-  write_file(box_ / "drum.json",
-             changed(changed(kGood, R"(, "tuned_key": 60)", ""), R"("first": 48)", R"("first": 36)"));
+  write_file(box_ / "drum.json", changed(changed(kGood, R"(, "tuned_key": 60, "per_octave": 1.5)", ""),
+                                         R"("first": 48)", R"("first": 36)"));
   EXPECT_NE(render("band.mid", "drum.json").err.find("notes of other channels than 10 (1)"), std::string::npos);
 }
 
