@@ -140,11 +140,10 @@ TEST(Keys, StrikeHarderByOctaves) {
   rising.replace(rising.find(" }"), 2, R"(, "per_octave": 1.5 })");
   const InstrumentArrays harder = arrays_of_text(zither(0, rising));
   for (const int key : {48, 60, 72}) {
-    Keyed instrument(harder.view()), expected(even.view());
-    for (Keyed* const each : {&instrument, &expected}) each->prepare(kRate);
-    instrument.note_on(key, 0.6);
-    expected.note_on(key, 0.6 * std::pow(1.5, (key - kTunedKey) / 12));
-    expect_alike(played(instrument, 4410), played(expected, 4410), 1e-12);
+    const auto instrument = played_by(harder.view()), expected = played_by(even.view());
+    instrument->note_on(key, 0.6);
+    expected->note_on(key, 0.6 * std::pow(1.5, (key - kTunedKey) / 12));
+    expect_alike(played(*instrument, 4410), played(*expected, 4410), 1e-12);
   }
 }
 
