@@ -204,7 +204,7 @@ def search_heard(program, recordings):
         best = least_squares(lambda x: found(x)[0], x, lambda x: found(x)[1], max_nfev=20, ftol=1e-3)
         x = best.x
         print(f"{2 * best.cost:.3f}", flush=True)
-    return [number(h) for h in np.exp(x)]
+    return [number(h) for h in np.exp(x + np.mean(np.log(HEARD) - x))]  # as loud as before
 
 
 def search_numbers(program, recordings):
