@@ -3,15 +3,15 @@
 """Makes the file of the dulcimer, with parts that are fitted to recorded notes.
 
     make.py write FILE
-    make.py heard PROGRAM RECORDINGS                # prints numbers, which stand below as HEARD
-    make.py fit PROGRAM RECORDINGS FILE             # prints others, which stand below as BEGIN
+    make.py heard PROGRAM RECORDINGS                # prints what stands below as HEARD
+    make.py fit PROGRAM RECORDINGS                  # prints what stands below as NUMBERS
     make.py distance PROGRAM FILE FITTED KEPT
 
 PROGRAM is contactspline. RECORDINGS, FITTED and KEPT hold SOURCE/KEY.wav, single notes at 44.1 kHz under their keys of MIDI. `fit`
-searches by least squares from where a search ended: losses of the strings, how far the two of a course are apart, where they are
-struck, hammer and its face, masses and decays of the modes of the board. `heard` searches how strongly each of these modes sounds
-outside, where neighbours are alike, with the forces on the board that are rendered. In turns they came to where they are. What is
-made small is that of bench/strings.py, in `heard` without the decays.
+searches NUMBERS from where they are, one at a time, by factors: losses of the strings, how far the two of a course are apart, where they
+are struck, hammer and its face, masses and decays of the modes of the board. `heard` searches by least squares how strongly each of
+these modes sounds outside, where neighbours are alike, with the forces on the board that are rendered. In turns they came to where they
+are, from 1 and usual numbers. What is made small is that of bench/strings.py, in `heard` without the decays.
 
 Fitted: C4, G4, G5 and C6 of Dulcimer of FluidR3 GM (fluid-soundfont-gm, MIT), each channel as a source. Kept: its C5, and D4, G4, C5,
 G5 and C6 of Dulcimer of freepats (GPL-2 with an exception for music).
@@ -25,7 +25,7 @@ from scipy.signal import lfilter
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from notes import RATE, a_weighting, mel_bank, onset, text_of, windows
-from strings import LEVELS, Note, distance, fit, notes_of, number, rendered, robust
+from strings import LEVELS, Note, distance, notes_of, number, rendered, residuals, robust
 
 COURSES = {"e4": (60, 64, 68, 40), "cs5": (69, 73, 77, 26), "as5": (78, 82, 86, 17)}  # first key, that of the file, last, modes of a string
 SHARP = {"e4": 5.5, "cs5": 6, "as5": 15.6}  # cents, as rendered: few modes make the support at the bridge soft
@@ -42,8 +42,8 @@ HEADER = """\
 // frequency above; behind them stand, a mode each, strings of the scales of D and G, which nobody strikes or damps and which ring along.
 // Written by bench/dulcimer/make.py: losses of the strings, how far the two of a course are apart, where they are struck, the mass of the
 // hammer and the stiffness of its face, masses and decays of the modes and how they sound outside are fitted to C4, G4, G5 and C6 of
-// Dulcimer of FluidR3 GM (MIT). Log-mel spectrograms are 4.3 to 8 dB from these notes, 5.2 and 5.8 dB from both channels of its C5 and 7.6 to
-// 10.3 dB from Dulcimer of freepats, which were not fitted; these two are 5.5 to 9.1 dB from each other.
+// Dulcimer of FluidR3 GM (MIT). Log-mel spectrograms are 3.9 to 6.5 dB from these notes, 5 and 5.8 dB from both channels of its C5 and 6.8 to
+// 9.3 dB from Dulcimer of freepats, which were not fitted; these two are 5.5 to 9.1 dB from each other.
 """
 
 
@@ -62,19 +62,16 @@ def modes():
 
 MODES = modes()
 DECAYS = [200, 800, 2500, 9000]  # Hz
-USUAL = {"constant_low": 2, "constant_high": 2, "quadratic_low": 4e-4, "quadratic_high": 4e-4, "apart_low": 1.2, "apart_high": 1.2, "struck_low": 0.1, "struck_high": 0.15,
-         "weight_low": 40, "weight_high": 40, "hammer": 0.006, "mass_low": 0.4, "mass_high": 0.4, "decay_200": 25, "decay_800": 80, "decay_2500": 200, "decay_9000": 600,
-         "ringing_low": 5, "ringing_high": 12}
-BEGIN = {"constant_low": 1.24, "constant_high": 0.671, "quadratic_low": 0.000361, "quadratic_high": 0.000192, "apart_low": 1.52, "apart_high": 1.8,
-         "struck_low": 0.119, "struck_high": 0.185, "weight_low": 39.9, "weight_high": 91.5, "hammer": 0.00579, "mass_low": 1.45, "mass_high": 0.401,
-         "decay_200": 23.1, "decay_800": 131, "decay_2500": 181, "decay_9000": 60, "ringing_low": 4.14, "ringing_high": 12.2}
-HEARD = [0.185, 0.195, 0.217, 0.273, 0.371, 0.478, 0.668, 0.976, 1.43, 1.49, 1.45, 1.39, 1.31, 1.18, 1.2, 1.74, 2.35, 3.14, 4.02, 4.78, 5.15, 3.56,
-         2.6, 2.19, 2.48, 3.25, 3.09, 3.6, 2.79, 2.14, 1.47, 1.23, 1.34, 1.35, 1.64, 1.51, 1.39, 1.05, 1.07, 0.749, 0.519, 0.772, 1.26, 0.87, 0.566,
-         0.535, 0.669, 1.58, 2.23, 1.6, 1.53, 2.71, 1.4, 0.646, 0.597, 0.519, 0.473, 0.595, 0.766, 1.85, 4.32, 3.06, 4.37, 3.77, 4.23, 2.93, 2.08,
-         3.04, 2.57, 1.33, 1.22, 1.76, 4.27, 2.7, 2.64, 3.08, 4.44, 6.62, 9.43, 8.99, 7.13, 11, 14.5, 17.3, 17.4, 15.8, 17.6, 22.4, 26.7, 28.1, 31,
-         47.3, 47, 44, 36.5, 58.6, 68.4, 58.6, 15.4, 16.1, 21.4, 44.1, 67, 37]
-RANGES = {"constant": (0.2, 8), "quadratic": (1e-5, 3e-3), "apart": (0.1, 6), "struck": (0.04, 0.35), "weight": (1, 1000), "hammer": (0.002, 0.02), "mass": (0.05, 5),
-          "decay": (5, 2000), "ringing": (1, 60)}
+NUMBERS = {"constant_low": 1.45, "constant_high": 0.305, "quadratic_low": 0.000322, "quadratic_high": 0.000421, "apart_low": 1.98,
+           "apart_high": 2.34, "struck_low": 0.119, "struck_high": 0.185, "weight_low": 10.8, "weight_high": 54.2, "hammer": 0.00579,
+           "mass_low": 3.17, "mass_high": 0.238, "decay_200": 23.1, "decay_800": 171, "decay_2500": 181, "decay_9000": 21, "ringing_low": 3.18,
+           "ringing_high": 4.27}
+HEARD = [0.698, 0.825, 1.17, 1.58, 3.07, 5.2, 4.17, 3.82, 3.26, 2.98, 2.78, 2.68, 2.63, 2.58, 2.68, 3.4, 3.98, 4.63, 5.52, 6.26, 7.53, 6.29, 4.93,
+         3.93, 3.66, 3.55, 3.06, 2.8, 2.36, 1.95, 1.61, 1.48, 1.87, 1.63, 1.5, 1.47, 1.67, 1.37, 1.35, 1.02, 0.745, 0.761, 0.758, 0.565, 0.404, 0.49,
+         0.665, 1.16, 1.16, 1.51, 1.54, 3.69, 2.12, 0.817, 0.475, 0.386, 0.459, 0.664, 0.757, 2.46, 3.85, 1.8, 2.49, 1.69, 1.14, 1.26, 1.42, 2.69,
+         2.52, 0.571, 0.46, 0.462, 0.552, 0.676, 0.899, 1.34, 2.17, 3.64, 6.09, 6.89, 5.94, 9.89, 13.6, 17.8, 16.1, 14.4, 13.5, 15.8, 19.6, 19.3,
+         21.1, 31.7, 33.9, 35.8, 35.3, 53.1, 40.7, 34.2, 15.6, 9.86, 7.78, 12.8, 26.1, 20.7]
+
 
 
 def between(p, name, at):
@@ -95,7 +92,7 @@ def table(p):
     return found
 
 
-def dulcimer(p, _=None, heard=HEARD):
+def dulcimer(p=NUMBERS, heard=HEARD):
     bodies, places, contacts, links, keys = [], [], [], [], []
     for i, (course, (first, key, last, count)) in enumerate(COURSES.items()):
         at = (key - ENDS[0]) / (ENDS[1] - ENDS[0])
@@ -132,18 +129,17 @@ def dulcimer(p, _=None, heard=HEARD):
             "input": {"force_n": "bridge_cs5", "full_scale": 10}, "keys": keys, "polyphony": 8, "damper": {"bodies": strings, "damping_per_s": 8}}
 
 
-# As bench/strings.py says.
-DULCIMER = {"of": dulcimer, "strings": {key: () for key in FITTED}, "usual": USUAL, "begin": BEGIN, "ranges": RANGES, "about": HEADER, "events": [], "velocity": 0.7,
-            "inharmonicity": INHARMONICITY, "seconds": 1.2, "top": 12000, "tops": {84: 6000}, "prior": 0.3, "loudness": 0, "compared": []}
+# As bench/strings.py says. C6 has nothing above 6 kHz in FluidR3 GM, whose C7 is the same sound: it was recorded at a lower rate.
+DULCIMER = {"events": [], "velocity": 0.7, "inharmonicity": INHARMONICITY, "seconds": 1.2, "top": 12000, "tops": {84: 6000}}
 
 
-def velocities(program, key, numbers):
+def velocities(program, key):
     """Of the modes of the board in a note, up to one factor."""
-    file = dulcimer(numbers)
+    file = dulcimer()
     file["outputs"] = [{"name": f"under_{course}", "force_n": [f"{course}_left_bridge", f"{course}_right_bridge"]} for course in COURSES]
     forces = [rendered(program, DULCIMER, file, key, "--bits", "32", "--signal", f"under_{course}") for course in COURSES]
     found = []
-    for mode, (_, _, shapes, _, _) in zip(table(numbers), MODES):
+    for mode, (_, _, shapes, _, _) in zip(table(NUMBERS), MODES):
         w, decay = 2 * np.pi * mode["frequency_hz"], mode["decay_per_s"]
         turn = np.exp((1j * w - decay) / RATE)
         found.append(lfilter([1, -turn.real - decay / w * turn.imag], [1, -2 * turn.real, abs(turn) ** 2], shapes @ forces) / mode["mass_kg"])
@@ -194,30 +190,55 @@ class Parts:
                 np.concatenate([slopes.reshape(len(heard), -1) / np.sqrt(d.size), scale * gain * of_levels], 1).T)
 
 
-def search_heard(program, recordings, numbers=BEGIN, begin=HEARD, steps=20):
-    theirs = {at: note for at, note in notes_of(recordings, DULCIMER).items() if at[1] in FITTED}
+def search_heard(program, recordings):
+    theirs = notes_of(recordings, DULCIMER)
     signs = np.array([mode[3] for mode in MODES])
-    parts = {key: Parts(velocities(program, key, numbers), key, signs * begin) for key in FITTED}
+    parts = {key: Parts(velocities(program, key), key, signs * HEARD) for key in FITTED}
     pairs = (np.eye(len(MODES), k=1) - np.eye(len(MODES)))[[bool(a[1]) == bool(b[1]) for a, b in zip(MODES, MODES[1:])] + [False]]
-    x = np.log(begin)
+    x = np.log(HEARD)
     for alike in ALIKE:
         def found(x):
             both = [parts[key].residuals(signs * np.exp(x), note) for (_, key), note in theirs.items()]
             return np.concatenate([d for d, _ in both] + [alike * pairs @ x]), np.concatenate([slopes for _, slopes in both] + [alike * pairs])
 
-        best = least_squares(lambda x: found(x)[0], x, lambda x: found(x)[1], max_nfev=steps, ftol=1e-3)
+        best = least_squares(lambda x: found(x)[0], x, lambda x: found(x)[1], max_nfev=20, ftol=1e-3)
         x = best.x
         print(f"{2 * best.cost:.3f}", flush=True)
-    return [number(h) for h in np.exp(x)]
+    return [number(h) for h in np.exp(x + np.mean(np.log(HEARD) - x))]  # as loud as before
+
+
+def search_numbers(program, recordings):
+    theirs = notes_of(recordings, DULCIMER)
+    best, p = np.inf, dict(NUMBERS)
+
+    def is_better(q):
+        nonlocal best, p
+        file = dulcimer(q)
+        ours = {key: Note(rendered(program, DULCIMER, file, key), key, DULCIMER) for key in FITTED}
+        cost = sum((residuals(ours[key], note) ** 2).sum() for (_, key), note in theirs.items())
+        if cost > best - 0.3:
+            return False
+        best, p = cost, q
+        return True
+
+    is_better(p)
+    for step in (1.3, 1.12):
+        for name in p:
+            for factor in (step, 1 / step):
+                is_moved = False
+                while is_better({**p, name: number(p[name] * factor)}):
+                    is_moved = True
+                if is_moved:
+                    break
+    print(f"{best:.3f}")
+    return p
 
 
 if __name__ == "__main__":
     if len(sys.argv) == 3 and sys.argv[1] == "write":
-        Path(sys.argv[2]).write_text(HEADER + text_of(dulcimer(BEGIN)), encoding="utf-8")
-    elif len(sys.argv) == 4 and sys.argv[1] == "heard":
-        print(search_heard(*sys.argv[2:]))
-    elif len(sys.argv) == 5 and sys.argv[1] == "fit":
-        fit(sys.argv[2], DULCIMER, *sys.argv[3:])
+        Path(sys.argv[2]).write_text(HEADER + text_of(dulcimer()), encoding="utf-8")
+    elif len(sys.argv) == 4 and sys.argv[1] in ("heard", "fit"):
+        print({"heard": search_heard, "fit": search_numbers}[sys.argv[1]](*sys.argv[2:]))
     elif len(sys.argv) == 6 and sys.argv[1] == "distance":
         distance(sys.argv[2], {"dulcimer": {**DULCIMER, "tops": {}}}, *sys.argv[3:])
     else:
