@@ -79,7 +79,8 @@ MidiVoices midi_voices(const InstrumentModel& model, const MidiSong& song) {
     played.insert(note.channel);
     if (has_bends) voice.name = fmt::format("{}_channel_{}", model.name, channel + 1);
     if (cents != 0) voice.name += fmt::format("_{:+.6g}_cents", cents);
-    voice.notes.push_back({note.time_s, note.key, note.velocity, note.key_hold_s, bends_keys ? note.cents : 0});
+    voice.notes.push_back(
+        {note.time_s, note.key, note.velocity, note.key_hold_s, bends_keys ? note.cents : 0, note.begins, note.ends});
     voices.end_s = std::max(voices.end_s, note.time_s + note.hold_s);
   }
   return voices;

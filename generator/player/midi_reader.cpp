@@ -31,11 +31,12 @@ class SongRecorder {
 
   void operator()(const MidiEvent& event) {
     using Kind = MidiEvent::Kind;
+    ++told_;
     switch (event.kind) {
       case Kind::kNoteOn:
         ++down_[channel_of(event)];
         song_.far_bends += std::abs(event.cents) > max_cents_;
-        song_.notes.push_back({time_s_, 0, 0, event.key, event.value, event.channel, event.own_cents});
+        song_.notes.push_back({time_s_, 0, 0, event.key, event.value, event.channel, event.own_cents, 0, told_});
         return;
       case Kind::kNoteOff:
         return note_off(event);
@@ -87,6 +88,7 @@ class SongRecorder {
     --down_[channel_of(event)];
     note.key_hold_s = time_s_ - note.time_s;
     note.release = event.value;
+    note.ends = told_;
     held_[channel_of(event)].push_back(event.note);
     if (!midi_.is_sustained(event.channel)) end_held(channel_of(event));
   }
@@ -122,6 +124,7 @@ class SongRecorder {
   double max_cents_;
   const MidiInterpreter& midi_;
   double time_s_ = 0;
+  std::size_t told_ = 0;  // events
   MidiSong song_;
   std::array<int, kChannels> down_{};                       // notes
   std::array<std::vector<std::size_t>, kChannels> held_{};  // notes that only the pedal holds

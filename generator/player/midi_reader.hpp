@@ -18,13 +18,14 @@ namespace contactspline {
 
 struct MidiNote {
   double time_s;
-  double hold_s;       ///< until the key is let go, or the sustain pedal that holds it
-  double key_hold_s;   ///< until the key is let go
-  int key;             ///< 0 to 127, 60 is middle C
-  double velocity;     ///< above 0 to 1
-  int channel;         ///< 0 to 15
-  double cents = 0;    ///< of its own, beside the bend of its channel
-  double release = 0;  ///< velocity with which the key is let go, 0 to 1
+  double hold_s;                     ///< until the key is let go, or the sustain pedal that holds it
+  double key_hold_s;                 ///< until the key is let go
+  int key;                           ///< 0 to 127, 60 is middle C
+  double velocity;                   ///< above 0 to 1
+  int channel;                       ///< 0 to 15
+  double cents = 0;                  ///< of its own, beside the bend of its channel
+  double release = 0;                ///< velocity with which the key is let go, 0 to 1
+  std::size_t begins = 0, ends = 0;  ///< places of its messages in the file, which tell the order at one time
 };
 
 /// The pitch wheel or the tuning of a channel goes to another place.

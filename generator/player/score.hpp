@@ -76,10 +76,11 @@ struct Strike {
 /// A key of an instrument file that goes down and, after `hold_s`, up.
 struct Note {
   double time_s;
-  int key;           ///< of MIDI
-  double velocity;   ///< 0 to 1
-  double hold_s;     ///< infinite: for ever
-  double cents = 0;  ///< above the pitch of the key
+  int key;                           ///< of MIDI
+  double velocity;                   ///< 0 to 1
+  double hold_s;                     ///< infinite: for ever
+  double cents = 0;                  ///< above the pitch of the key
+  std::size_t begins = 0, ends = 0;  ///< which of what happens at one time comes first
 };
 
 /// One resonator with its hammer, slide or fret, or one instrument of a file.

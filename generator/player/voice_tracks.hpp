@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "generator/player/score.hpp"
@@ -78,6 +79,12 @@ class PlayedTrack {
     std::size_t sample;
     const Played* strike;
     bool is_end;  ///< of its hold
+
+    /// Of changes in one sample the lower comes first.
+    [[nodiscard]] std::size_t order() const {
+      if constexpr (requires { strike->begins; }) return is_end ? strike->ends : strike->begins;
+      return 0;
+    }
   };
 
   /// hold: a member of what is played, after which the hold ends.
@@ -87,7 +94,8 @@ class PlayedTrack {
       if (std::isfinite(strike.*hold))
         changes_.push_back({sample_at(strike.time_s + strike.*hold, sample_rate_hz), &strike, true});
     }
-    std::ranges::stable_sort(changes_, {}, &Change::sample);
+    std::ranges::stable_sort(changes_, {},
+                             [](const Change& change) { return std::pair(change.sample, change.order()); });
   }
 
   /// The next change up to this sample, or null.

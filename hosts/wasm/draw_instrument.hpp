@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <numbers>
-#include <utility>
 #include <variant>
 #include <vector>
 

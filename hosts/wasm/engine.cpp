@@ -34,12 +34,12 @@ struct Voice {
 
 Material material;
 std::vector<Voice> voices;  // of the instrument that was chosen
-std::size_t chosen = 0;
+int chosen = 0;
 double chosen_rate_hz = 0;
-int oversampling = 1;  // of the instruments that are made from now on
-Bytes own;             // packed instrument of the page's user
-Bytes of_voice;        // of the next voice
-Bytes sent;            // for the studies
+int oversampling = 1;  // of the instrument that was chosen, its voices and parts
+Bytes own_bytes;       // packed instrument of the page's user
+Bytes voice_bytes;     // of the next voice
+Bytes packed_bytes;    // for the studies
 std::array<float, 3 * kBlock> outputs, part;
 std::array<double, 5> shown_energies;
 std::array<std::uint8_t, 128> midi_bytes;
@@ -71,17 +71,29 @@ void take_midi(std::span<const std::uint8_t> bytes, bool is_for_parts = false) {
 
 // Those of the list: models, files, and the user's own where there is one.
 std::size_t instrument_count() {
-  return kModels + kFiles.size() + (own.empty() ? 0 : 1);
+  return kModels + kFiles.size() + (own_bytes.empty() ? 0 : 1);
 }
 
-// Null where there is none of this number.
-std::unique_ptr<Playable> instrument(std::size_t number) {
-  if (number >= instrument_count()) return nullptr;
-  const std::size_t file = number - kModels;
-  PageInstrument made = number < kModels       ? model_of(number, material)
-                        : file < kFiles.size() ? instrument_of(kFiles[file]())
-                                               : instrument_of(own);
-  return std::make_unique<Playable>(std::move(made), oversampling);
+// The number of a file among kFiles; none of them: kFiles.size().
+std::size_t file_of(std::size_t number) {
+  return number < kModels ? kFiles.size() : std::min(number - kModels, kFiles.size());
+}
+
+PageInstrument made(std::size_t number) {
+  if (number < kModels) return model_of(number, material);
+  const std::size_t file = file_of(number);
+  return file < kFiles.size() ? instrument_of(kFiles[file]()) : instrument_of(own_bytes);
+}
+
+// Null where there is none of this number. Runs so many times finer.
+std::unique_ptr<Playable> instrument(int number, int factor) {
+  const auto known = static_cast<std::size_t>(number);
+  if (number < 0 || known >= instrument_count()) return nullptr;
+  return std::make_unique<Playable>(made(known), factor);
+}
+
+bool is_rate(double sample_rate_hz) {
+  return sample_rate_hz >= 1000 && sample_rate_hz <= 768000;
 }
 
 // Calls use() with the voice of this number, or with the first; not where none was chosen.
@@ -100,26 +112,26 @@ void process(Playable& played, std::span<float> out, std::size_t count) {
 /// The instruments, as a JSON list (playable.hpp). Their numbers are their places in it.
 CONTACTSPLINE_WEB(const char*, engine_instruments) {
   std::vector<std::string> all;
-  for (std::size_t number = 0; number < instrument_count(); ++number) all.push_back(instrument(number)->described());
+  for (int number = 0; const auto one = instrument(number, 1); ++number) all.push_back(one->described());
   return keep(fmt::format("[{}]", fmt::join(all, ", ")));
 }
 
 /// Where the page writes so many bytes of an instrument of its user's: packed by the generator's module, the last of
 /// the instruments from now on. What plays already stays.
 CONTACTSPLINE_WEB(std::byte*, engine_own_instrument, int bytes) {
-  own.resize(static_cast<std::size_t>(std::max(bytes, 1)));
-  return own.data();
+  own_bytes.resize(static_cast<std::size_t>(std::max(bytes, 1)));
+  return own_bytes.data();
 }
 
 /// Packs the instrument of a file that ships, as the studies take it; then engine_packed() says where. Returns the
 /// number of bytes, 0 of another instrument.
 CONTACTSPLINE_WEB(int, engine_pack, int number) {
-  const std::size_t file = static_cast<std::size_t>(number) - kModels;
-  sent = file < kFiles.size() ? packed(kFiles[file]()) : Bytes();
-  return static_cast<int>(sent.size());
+  const std::size_t file = file_of(static_cast<std::size_t>(std::max(number, 0)));
+  packed_bytes = file < kFiles.size() ? packed(kFiles[file]()) : Bytes();
+  return static_cast<int>(packed_bytes.size());
 }
 CONTACTSPLINE_WEB(const std::byte*, engine_packed) {
-  return sent.data();
+  return packed_bytes.data();
 }
 
 /// How late an instrument is that runs so many times finer [samples].
@@ -127,42 +139,46 @@ CONTACTSPLINE_WEB(int, engine_latency, int factor) {
   return static_cast<int>(Decimator<float>(factor).delay());
 }
 
-/// Makes an instrument, at rest, which the functions below play, and runs it 1, 2, 4 or 8 times finer. 0 if there is
-/// none of this number. Allocates.
+/// Makes an instrument, at rest, which the functions below play, and runs it 1, 2, 4 or 8 times finer, at 1 to 768
+/// kHz all in all. 0 if there is none of this number, and at another factor or rate. Allocates.
 CONTACTSPLINE_WEB(int, engine_choose, int number, double sample_rate_hz, int factor) {
-  oversampling = factor;
-  auto next = instrument(static_cast<std::size_t>(number));
+  if (std::ranges::count(kOversamplings, factor) == 0 || !is_rate(factor * sample_rate_hz)) return 0;
+  auto next = instrument(number, factor);
   if (!next) return 0;
   next->hosted().prepare(sample_rate_hz);
   voices.clear();
   voices.push_back({std::move(next), 1, 1, true});
-  chosen = static_cast<std::size_t>(number);
+  chosen = number;
   chosen_rate_hz = sample_rate_hz;
+  oversampling = factor;
+  voice_bytes.clear();
   heard_midi = MidiInterpreter();
   heard_count = 0;
   return 1;
 }
 
-/// Lets the user's own instrument take the place of the one that plays, while it sounds, in all voices. 0 if there
-/// is none. Allocates.
+/// Lets the user's own instrument take the place of the one that plays, while it sounds, in all voices but those of
+/// other instruments. 0 if there is none. Allocates.
 CONTACTSPLINE_WEB(int, engine_replace) {
-  if (own.empty() || voices.empty()) return 0;
-  for (const Voice& each : voices) each.instrument->replace(instrument_of(own).handle, chosen_rate_hz);
+  if (own_bytes.empty() || voices.empty()) return 0;
+  for (const Voice& each : voices)
+    if (!each.is_part) each.instrument->replace(instrument_of(own_bytes).handle, chosen_rate_hz);
   return 1;
 }
 
 /// Where the page writes so many bytes of a packed instrument, which the next voice plays.
 CONTACTSPLINE_WEB(std::byte*, engine_voice_instrument, int bytes) {
-  of_voice.resize(static_cast<std::size_t>(std::max(bytes, 1)));
-  return of_voice.data();
+  voice_bytes.resize(static_cast<std::size_t>(std::max(bytes, 1)));
+  return voice_bytes.data();
 }
 
 /// Adds a voice: the packed instrument, or where none was written the chosen one once more. 0 if none was chosen.
 /// Allocates.
 CONTACTSPLINE_WEB(int, engine_add_voice) {
+  const Bytes bytes = std::exchange(voice_bytes, {});
   if (voices.empty()) return 0;
-  auto next = of_voice.empty() ? instrument(chosen)
-                               : std::make_unique<Playable>(instrument_of(std::exchange(of_voice, {})), oversampling);
+  auto next = bytes.empty() ? instrument(chosen, oversampling)
+                            : std::make_unique<Playable>(instrument_of(bytes), oversampling);
   next->hosted().prepare(chosen_rate_hz);
   if (voices.size() == 1) voices[0].is_played = false;
   voices.push_back({std::move(next), 1, 1, true});
@@ -172,7 +188,7 @@ CONTACTSPLINE_WEB(int, engine_add_voice) {
 /// Adds another instrument, `level` times as loud as its file says, as a voice that plays beside the first one. 0 if
 /// there is none of this number. Allocates.
 CONTACTSPLINE_WEB(int, engine_add_part, int number, double level) {
-  auto next = instrument(static_cast<std::size_t>(number));
+  auto next = instrument(number, oversampling);
   if (!next || voices.empty()) return 0;
   next->hosted().prepare(chosen_rate_hz);
   const auto side = static_cast<float>(level);
@@ -194,7 +210,8 @@ CONTACTSPLINE_WEB(void, engine_restart) {
   voices.clear();
   oversampling = 1;
   material = Material{};
-  own.clear();
+  own_bytes.clear();
+  voice_bytes.clear();
 }
 
 /// Where the page writes the rows of a table: knot, energy, force, half curvature of each segment; then weight and

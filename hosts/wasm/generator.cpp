@@ -169,14 +169,17 @@ const char* answer(const Make& make) {
   }
 }
 
-// Keeps what make() packs of an instrument that ships; nothing of another one. Returns the number of bytes.
+// Keeps what make() packs of an instrument that ships. Returns JSON: {"size"}, or {"error": one line}.
 template <typename Make>
-int pack(const char* name, const Make& make) {
-  const EmbeddedFile* const found = find_embedded(Shipped::kInstruments, std::string(name) + ".json");
-  packed_bytes = found == nullptr
-                     ? Bytes()
-                     : make(parse_instrument(std::string(found->content), std::string(found->name), read_file));
-  return static_cast<int>(packed_bytes.size());
+const char* pack(const char* name, const Make& make) {
+  return answer([&] {
+    const EmbeddedFile* const found = find_embedded(Shipped::kInstruments, std::string(name) + ".json");
+    if (found == nullptr)
+      refuse(name, "instrument", "no such instrument ships",
+             fmt::format("{}", fmt::join(shipped_names(Shipped::kInstruments), ", ")));
+    packed_bytes = make(parse_instrument(std::string(found->content), std::string(found->name), read_file));
+    return Json{{"size", packed_bytes.size()}};
+  });
 }
 
 // The files of a kind that ship, as a JSON object: text by name.
@@ -244,14 +247,16 @@ CONTACTSPLINE_WEB(int, contactspline_instrument_size) {
 }
 
 /// Packs what is drawn of an instrument that ships, with its modes below half of a sample rate; then
-/// contactspline_packed() says where. Returns the number of bytes. The page frees `name`.
-CONTACTSPLINE_WEB(int, contactspline_drawn, const char* name, double sample_rate_hz) {
+/// contactspline_packed() says where. Returns JSON: {"size"} in bytes, or {"error": one line}. The page frees `name`.
+CONTACTSPLINE_WEB(const char*, contactspline_drawn, const char* name, double sample_rate_hz) {
   return pack(name, [&](const InstrumentModel& model) { return packed_drawing(model, sample_rate_hz / 2); });
 }
 
-/// Packs an instrument that ships, its strings tuned by so many cents, likewise.
-CONTACTSPLINE_WEB(int, contactspline_tuned, const char* name, double cents, double sample_rate_hz) {
+/// Packs an instrument that ships, its strings tuned by -1200 to 1200 cents, likewise.
+CONTACTSPLINE_WEB(const char*, contactspline_tuned, const char* name, double cents, double sample_rate_hz) {
   return pack(name, [&](InstrumentModel model) {
+    if (!(std::abs(cents) <= 1200))
+      refuse(name, "tuning_cents", fmt::format("{} is out of range", cents), "-1200 to 1200, such as 700");
     tune(model, cents);
     return packed(arrays_of(model, sample_rate_hz / 2).view());
   });

@@ -333,9 +333,11 @@ inline Study study_of_network(const InstrumentData& data, const DrawnInstrument&
                               std::span<const double> values, std::size_t event, const StudyPlan& plan) {
   NetworkInstrument<double> instrument(data);
   instrument.prepare(plan.sample_rate_hz);
+  double strength = 1;
   for (const KeyRange& range : data.keyed.ranges) {
     if (plan.key < range.first || plan.key > range.last) continue;
     event = range.event;
+    strength = range.strength(plan.key);
     if (range.tuned_key >= 0) instrument.tune(100.0 * (plan.key - range.tuned_key), range.string);
   }
   for (std::size_t p = 0; p < values.size(); ++p) instrument.set(p, values[p]);
@@ -344,7 +346,7 @@ inline Study study_of_network(const InstrumentData& data, const DrawnInstrument&
   const Event& played = instrument.events()[event];
   detail::NetworkBooks books{data.body_ends.size()};
   books.open(instrument);
-  play_event(instrument, played, values[played.parameter]);
+  play_event(instrument, played, strength * values[played.parameter]);
   const double before_s = played.kind == EventKind::kBow ? kBowed_s : 0;
   for (double left = before_s * plan.sample_rate_hz; left > 0; --left) {
     instrument.tick();

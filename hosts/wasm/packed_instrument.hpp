@@ -3,7 +3,6 @@
 // modules are built by one compiler, so that their structs are alike.
 #pragma once
 
-#include <concepts>
 #include <cstddef>
 #include <cstring>
 #include <memory>

@@ -6,10 +6,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -41,13 +39,8 @@ class Playable {
 
   [[nodiscard]] Hosted<float>& hosted() { return hosted_; }
 
-  void note_on(int key, double velocity) {
-    const auto part = static_cast<std::uint8_t>(std::clamp(127 * velocity + 0.5, 1.0, 127.0));
-    hosted_.midi(std::array{std::uint8_t{0x90}, static_cast<std::uint8_t>(key & 127), part});
-  }
-  void note_off(int key) {
-    hosted_.midi(std::array{std::uint8_t{0x80}, static_cast<std::uint8_t>(key & 127), std::uint8_t{0}});
-  }
+  void note_on(int key, double velocity) { hosted_.begin_note({.channel = 0, .key = key}, velocity); }
+  void note_off(int key) { hosted_.end_note({.channel = 0, .key = key}, 0); }
   /// Where a parameter is or goes to; not a number behind the last one.
   [[nodiscard]] double target(std::size_t parameter) const {
     return parameter < instrument().parameters().size() ? hosted_.target(parameter) : NAN;
@@ -86,8 +79,9 @@ class Playable {
   void watch_none() {
     if (made_.with_page_material != nullptr) made_.with_page_material->watch_none();
   }
-  /// Lets another instrument take its place while it sounds (replaceable.hpp).
+  /// Lets another instrument take its place while it sounds (replaceable.hpp); no energies of strikes are kept then.
   void replace(Handle<float> next, double sample_rate_hz) {
+    made_.with_page_material = nullptr;
     next = finer(std::move(next));
     next->prepare(sample_rate_hz);
     replaceable_.offer(std::move(next));

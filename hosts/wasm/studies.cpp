@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdlib>
 #include <functional>
-#include <numbers>
 #include <string>
 #include <string_view>
 #include <vector>

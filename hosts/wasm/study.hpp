@@ -8,12 +8,9 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
-#include <numbers>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "contactspline/instrument/hammer_string_instrument.hpp"

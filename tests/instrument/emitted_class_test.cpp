@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The classes emitted for instrument files, compiled here as in a program of a user.
+#include <map>
 #include <memory>
+#include <string>
 
 #include "contactspline/instruments/prepared_piano.hpp"
 #include "contactspline/instruments/slap_bass.hpp"
@@ -77,6 +79,22 @@ TEST(EmittedClass, PlaysTheSamplesOfRenderForAPluck) {
     if (n == 8820) emitted.set(1, 3);
     emitted.tick();
     ASSERT_EQ(static_cast<float>(emitted.output(0)), expected.samples[n]) << n;
+  }
+}
+
+static_assert(Instrument<instruments::trichord_c4<float>> && Instrument<Voices<NetworkInstrument<float>>> &&
+              KeyedInstrument<NetworkInstrument<double>>);
+
+TEST(EmittedClass, NamesItsParameters) {
+  instruments::trichord_c4<> named(kRate);
+  named.set_felt_loss_s_per_m(0.3);
+  named.set_damper_damping_per_s(7);
+  named.set_hammer_speed_m_per_s(1.5);
+  const std::map<std::string, double> set = {
+      {"felt_loss_s_per_m", 0.3}, {"damper_damping_per_s", 7}, {"hammer_speed_m_per_s", 1.5}};
+  for (std::size_t p = 0; p < named.parameters().size(); ++p) {
+    const auto expected = set.find(named.parameters()[p].name);
+    EXPECT_EQ(named.value(p), expected == set.end() ? named.parameters()[p].initial : expected->second) << p;
   }
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // Every key of the violin and the cello that ship sounds at its pitch.
-#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <numeric>

@@ -4,8 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <memory>
-
 #include "contactspline/instruments/prepared_piano.hpp"
 #include "contactspline/instruments/slap_bass.hpp"
 #include "contactspline/instruments/trichord_c4.hpp"

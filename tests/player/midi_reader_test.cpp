@@ -5,8 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "generator/player/voice_tracks.hpp"
 #include "support/compare.hpp"
 
 namespace contactspline::testing {
@@ -101,6 +103,26 @@ TEST(Midi, FollowsThePedals) {
 TEST(Midi, EndsWhatIsForgotten) {
   expect_notes(file_of({0, 100}, {bytes({0, 0x90, 60, 64, 20, 60, 65, 40, 62, 66, 40, 62, 0})}),
                {{0, 0.5, 60, 64}, {0.1, 0.4, 60, 65}, {0.3, 0.2, 62, 66}});
+}
+
+// Where one note ends as another begins, a bow goes on if the other begins first, and is lifted if not.
+TEST(Midi, KeepsTheOrderOfMessagesAtOneTime) {
+  const std::string on = bytes({20, 0x90, 62, 64}), off = bytes({20, 0x80, 60, 0});
+  const auto now = [](std::string message) { return message.replace(0, 1, 1, '\0'); };
+  for (const bool is_legato : {true, false}) {
+    const std::string middle = is_legato ? on + now(off) : off + now(on);
+    const auto song =
+        parse_midi(file_of({0, 100}, {bytes({0, 0x90, 60, 64}) + middle + bytes({20, 0x80, 62, 0})}), "a");
+    std::vector<Note> notes;
+    for (const MidiNote& note : song.notes)
+      notes.push_back({note.time_s, note.key, note.velocity, note.key_hold_s, 0, note.begins, note.ends});
+    NoteTrack track(notes, 44100);
+    std::vector<std::pair<int, bool>> played;
+    while (const auto* change = track.next_until(44100)) played.emplace_back(change->strike->key, change->is_end);
+    const std::pair begins{62, false}, ends{60, true};
+    EXPECT_EQ(played, (std::vector<std::pair<int, bool>>{
+                          {60, false}, is_legato ? begins : ends, is_legato ? ends : begins, {62, true}}));
+  }
 }
 
 TEST(Midi, LeavesOutDrumsAndAllThatIsNoNote) {

@@ -113,7 +113,8 @@ TEST(LayersOfTheTree, CircleIsFoundWhereThereIsOne) {
   EXPECT_EQ(circle_in({{"a", {"b"}}, {"b", {"a", "c"}}, {"c", {}}, {"d", {"a"}}}), (std::set<std::string>{"a", "b"}));
 }
 
-// What a file of a room of the house names in an #include or an import: files of rooms below, or of its own.
+// What a file of a room of the house names in an #include or an import, not in other paths: files of rooms below, or
+// of its own.
 TEST(LayersOfTheHouse, ArrowsRunOnlyDownwards) {
   const std::map<std::string, int> levels{{"runtime", 1}, {"generator", 2}, {"hosts", 3}, {"web", 4}};
   std::size_t arrows = 0;

@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "contactspline/instrument/network_instrument.hpp"
 #include "contactspline/instrument/voices.hpp"

@@ -220,12 +220,12 @@ export function drawFretWire(context, x, y, down, pushes) {
 }
 
 /** A round bar of steel seen from its end. */
-export function drawSteel(context, x, y, radius, pushes) {
+export function drawSteel(context, x, y, radius) {
   const shade = context.createRadialGradient(x - 0.35 * radius, y - 0.4 * radius, 0.1 * radius, x, y, radius);
   for (const [at, tint] of [[0, "#ffffff"], [0.5, "#b9b6b0"], [1, "#6c6963"]]) shade.addColorStop(at, tint);
   path(context, () => context.arc(x, y, radius, 0, 2 * Math.PI));
   Object.assign(context, { fillStyle: shade }).fill();
-  Object.assign(context, { strokeStyle: colour(pushes ? "accent" : "soft"), lineWidth: pushes ? 2.5 : 1 }).stroke();
+  Object.assign(context, { strokeStyle: colour("soft"), lineWidth: 1 }).stroke();
 }
 
 /** A bolt around a string at (x, y). */

@@ -257,7 +257,7 @@ export class Stage {
     const box = { left: 30, right: width - 30, top, bottom: height - strip - 34, ...this.scaleOf(top, height - strip - 34, width) };
     this.hold = null;
     this.box = box;
-    this.drawFingerboard(context, box, value);
+    this.drawFingerboard(context, box);
     for (const item of this.items) this.drawItem(context, this.slotOf(box, item), item, i, frame - i, value);
     if (this.bridge) this.drawBridge(context, box, i, frame - i);
     this.drawScale(context, { ...box, bottom: box.bottom - 4 }, { x: this.items.some(({ kind }) => kind === "bow") ? box.left : box.right - 56, size: Math.min(70, 0.2 * height), isBeside: true });
@@ -664,7 +664,7 @@ export class Stage {
   drawWeight(context, x, y, { isAround }) {
     const { size } = this;
     if (isAround) drawBolt(context, x, y, size);
-    else drawSteel(context, x, y - 17 * size, 15 * size, false);
+    else drawSteel(context, x, y - 17 * size, 15 * size);
   }
 
   // A bow under which the string moves up and down. Its hair holds the string, or the string slips along it.
@@ -709,7 +709,7 @@ export class Stage {
   }
 
   // The wood in which frets stand.
-  drawFingerboard(context, box, value) {
+  drawFingerboard(context, box) {
     if (this.frets.length === 0) return;
     const { side } = this.frets[0];
     const away = Math.sign(side * -box.unit);

@@ -41,7 +41,7 @@ export function startEngine(module, sampleRate = 44100) {
     replace: () => exports.engine_replace() === 1,
     /** Adds a voice: the instrument once more, or that of `bytes` (generator.js). Returns whether it can be. */
     addVoice({ bytes } = {}) {
-      if (bytes) writeInstrument(exports, exports.engine_voice_instrument, bytes);
+      if (bytes?.length > 0) writeInstrument(exports, exports.engine_voice_instrument, bytes);
       return exports.engine_add_voice() === 1;
     },
     /** Adds another instrument as a voice, so many times as loud as its file says. Returns whether there is one. */

@@ -13,7 +13,7 @@ function answered(exports, address) {
 /** The generator, from generator.wasm compiled or as bytes. */
 export function startGenerator(module) {
   const exports = startModule(module);
-  const packedBytes = (size) => new Uint8Array(exports.memory.buffer, exports.contactspline_packed(), size).slice();
+  const packedBytes = (answer) => new Uint8Array(exports.memory.buffer, exports.contactspline_packed(), answered(exports, answer).size).slice();
   return {
     /** The text of every material that ships, by name. */
     materials: () => JSON.parse(textAt(exports, exports.contactspline_materials())),
@@ -50,7 +50,7 @@ export function startGenerator(module) {
     /** The bytes of what is drawn of an instrument that ships, for the studies: they follow those of engine.packed(). */
     drawn: (name, sampleRate) => packedBytes(withTexts(exports, [name], (at) => exports.contactspline_drawn(at, sampleRate))),
 
-    /** The bytes of an instrument that ships, its strings tuned by so many cents. */
+    /** The bytes of an instrument that ships, its strings tuned by -1200 to 1200 cents. Throws bad input. */
     tuned: (name, cents, sampleRate) => packedBytes(withTexts(exports, [name], (at) => exports.contactspline_tuned(at, cents, sampleRate))),
 
     /** Reads a MIDI file, given as a Uint8Array: { title, remarks, end, channels, unchosen, messages: [{ time, bytes }] }

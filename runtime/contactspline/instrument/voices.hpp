@@ -108,7 +108,8 @@ class Voices {
     if (event.kind == EventKind::kBow && !(part * moved_value(event.parameter, static_cast<std::size_t>(key)) > 0))
       return;
     Voice& voice = take(static_cast<std::size_t>(key));
-    const double played = part * voice.instrument.value(event.parameter);
+    const ControlRange<double>& allowed = parameters()[event.parameter].allowed;
+    const double played = std::clamp(part * voice.instrument.value(event.parameter), allowed.min, allowed.max);
     tune(voice, *range, key);
     play_event(voice.instrument, event, played);
   }
