@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// An instrument file with the key `stretch` against a network by hand.
+// An instrument file with the key `stretch` against a network by hand and against its class.
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -7,6 +7,7 @@
 #include "contactspline/network/contact_network.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/support/input_file.hpp"
+#include "slack_string.hpp"
 #include "support/by_sample.hpp"
 #include "support/compare.hpp"
 #include "support/measured.hpp"
@@ -63,6 +64,22 @@ TEST(StretchingFile, PlaysAStringAsANetworkByHand) {
   EXPECT_GT(highest, 0.2);
   for (std::size_t o = 0; o < 2; ++o)
     EXPECT_TRUE(sequences_within<double>(actual[o], expected[o], 1e-9)) << arrays.outputs[o].name;
+}
+
+// The class that `generate` emits has the forms and the far end, too.
+TEST(StretchingFile, PlaysAsItsClass) {
+  const InstrumentArrays arrays =
+      arrays_of(parse_instrument(read_input(EXAMPLES_FOLDER "/slack_string.json"), "slack_string.json"), kRate / 2);
+  BySample<double> of_file(arrays.view(), kRate);
+  BySample<double> of_class(instruments::slack_string<double>::data::view(), kRate);
+  for (int n = 0; n < 2000; ++n) {
+    of_file.set(0, pull(n));
+    of_class.set(0, pull(n));
+    of_file.tick();
+    of_class.tick();
+    ASSERT_EQ(of_file.output(0), of_class.output(0)) << n;
+    ASSERT_EQ(of_file.output(1), of_class.output(1)) << n;
+  }
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Instrument files with the key `stretch`: against a network by hand, and the pitch of a drum that falls.
+// Instrument files with the key `stretch`: their forms, phantom partials, and the pitch of a drum that falls.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,7 +11,6 @@
 
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/support/input_file.hpp"
-#include "slack_string.hpp"
 #include "support/compare.hpp"
 #include "support/measured.hpp"
 #include "support/seen_network.hpp"
@@ -20,11 +19,6 @@ namespace contactspline::testing {
 namespace {
 
 constexpr double kRate = 44100, kPi = std::numbers::pi;
-
-// A finger that pulls within 10 ms and lets go [N].
-double pull(int n) {
-  return n < 441 ? 0.3 * n / 441 : 0;
-}
 
 // The string of bass_string.json, with tension and force at its far support by the strain there: E S (u' + y'^2/2) is
 // added to the tension. Without its longitudinal modes nothing would move its third mode, which has a node where the
@@ -141,22 +135,6 @@ TEST(StretchingFile, HasPhantomPartialsInTensionAndForce) {
   EXPECT_GT(with[0], without[0] + 6);
   Measured() << "phantom partials, tension: " << with[1] << " dB, " << without[1] << " without; force: " << with[0]
              << " and " << without[0];
-}
-
-// The class that `generate` emits has the forms and the far end, too.
-TEST(StretchingFile, PlaysAsItsClass) {
-  const InstrumentArrays arrays =
-      arrays_of(parse_instrument(read_input(EXAMPLES_FOLDER "/slack_string.json"), "slack_string.json"), kRate / 2);
-  BySample<double> of_file(arrays.view(), kRate);
-  BySample<double> of_class(instruments::slack_string<double>::data::view(), kRate);
-  for (int n = 0; n < 2000; ++n) {
-    of_file.set(0, pull(n));
-    of_class.set(0, pull(n));
-    of_file.tick();
-    of_class.tick();
-    ASSERT_EQ(of_file.output(0), of_class.output(0)) << n;
-    ASSERT_EQ(of_file.output(1), of_class.output(1)) << n;
-  }
 }
 
 // The frequency of the lowest mode of the tom in periods from `from_s` on [Hz], and what the adiabatic law says of
