@@ -42,8 +42,8 @@ HEADER = """\
 // frequency above; behind them stand, a mode each, strings of the scales of D and G, which nobody strikes or damps and which ring along.
 // Written by bench/dulcimer/make.py: losses of the strings, how far the two of a course are apart, where they are struck, the mass of the
 // hammer and the stiffness of its face, masses and decays of the modes and how they sound outside are fitted to C4, G4, G5 and C6 of
-// Dulcimer of FluidR3 GM (MIT). Log-mel spectrograms are 3.9 to 6.5 dB from these notes, 5 and 5.8 dB from both channels of its C5 and 6.8 to
-// 9.3 dB from Dulcimer of freepats, which were not fitted; these two are 5.5 to 9.1 dB from each other.
+// Dulcimer of FluidR3 GM (MIT). Log-mel spectrograms are 3.9 to 6.3 dB from these notes, 5 and 5.8 dB from both channels of its C5 and 7.1 to
+// 9.2 dB from Dulcimer of freepats, which were not fitted; these two are 5.5 to 9.1 dB from each other.
 """
 
 
@@ -55,7 +55,7 @@ def modes():
         apart = max(45, 0.05 * f)
         f += apart * random.uniform(0.7, 1.3)
         at.append((number(f, 4), apart))
-    at += [(number(440 * 2 ** ((key - 69) / 12 + random.uniform(-0.01, 0.01)), 5), 0) for key in range(62, 122) if key % 12 in SCALE]
+    at += [(number(440 * 2 ** ((key - 69) / 12 + random.uniform(-0.005, 0.005)), 5), 0) for key in range(62, 122) if key % 12 in SCALE]
     found = [(f, apart, random.choice([-1, 1], len(COURSES)) * random.uniform(0.4, 1, len(COURSES)), *random.choice([-1, 1], 2)) for f, apart in at]
     return [mode for mode in found if mode[1] or mode[0] < 6000]
 
@@ -69,8 +69,8 @@ NUMBERS = {"constant_low": 1.45, "constant_high": 0.305, "quadratic_low": 0.0003
 HEARD = [0.698, 0.825, 1.17, 1.58, 3.07, 5.2, 4.17, 3.82, 3.26, 2.98, 2.78, 2.68, 2.63, 2.58, 2.68, 3.4, 3.98, 4.63, 5.52, 6.26, 7.53, 6.29, 4.93,
          3.93, 3.66, 3.55, 3.06, 2.8, 2.36, 1.95, 1.61, 1.48, 1.87, 1.63, 1.5, 1.47, 1.67, 1.37, 1.35, 1.02, 0.745, 0.761, 0.758, 0.565, 0.404, 0.49,
          0.665, 1.16, 1.16, 1.51, 1.54, 3.69, 2.12, 0.817, 0.475, 0.386, 0.459, 0.664, 0.757, 2.46, 3.85, 1.8, 2.49, 1.69, 1.14, 1.26, 1.42, 2.69,
-         2.52, 0.571, 0.46, 0.462, 0.552, 0.676, 0.899, 1.34, 2.17, 3.64, 6.09, 6.89, 5.94, 9.89, 13.6, 17.8, 16.1, 14.4, 13.5, 15.8, 19.6, 19.3,
-         21.1, 31.7, 33.9, 35.8, 35.3, 53.1, 40.7, 34.2, 15.6, 9.86, 7.78, 12.8, 26.1, 20.7]
+         2.52, 5.71, 4.6, 4.62, 5.52, 6.76, 8.99, 13.4, 21.7, 36.4, 60.9, 68.9, 59.4, 98.9, 136, 178, 161, 144, 135, 158, 196, 193, 211, 317, 339,
+         358, 353, 531, 407, 342, 156, 98.6, 77.8, 128, 261, 207]
 
 
 
@@ -87,7 +87,7 @@ def table(p):
             decay = np.exp(np.interp(np.log(f), np.log(DECAYS), np.log([p[f"decay_{k}"] for k in DECAYS])))
             mass = between(p, "mass", at) * 45 / apart
         else:
-            decay, mass = between(p, "ringing", at), 20
+            decay, mass = between(p, "ringing", at), 200
         found.append({"frequency_hz": f, "decay_per_s": number(decay), "mass_kg": number(mass)})
     return found
 

@@ -160,7 +160,8 @@ TEST(Marimba, HasTubesThatShortenTheDecayOfTheBars) {
 }
 
 // The air and the box make keys of one bar or tine sharp by different amounts: measured up to 3 cents. The board of
-// the dulcimer, lighter, moves strings near its modes by up to 7 cents. The frequency is read to 0.1 Hz.
+// the dulcimer, lighter, moves strings near its modes by up to 7 cents, as do strings that nobody strikes. The
+// frequency is read to 0.1 Hz.
 TEST(BodiesOfKeys, HaveThePitchOfTheirKeys) {
   for (const auto& [name, cents] : {std::pair("marimba", 3), std::pair("kalimba", 3), std::pair("dulcimer", 7)}) {
     const InstrumentArrays arrays = arrays_of(shipped(name), kRate / 2);
