@@ -105,7 +105,7 @@ def dulcimer(p=NUMBERS, heard=HEARD):
                   "bending_stiffness_n_m2": number(b * tension * speaking ** 2 / np.pi ** 2),
                   "constant_loss_per_s": number(between(p, "constant", at)), "quadratic_loss_m2_per_s": number(between(p, "quadratic", at))}
         apart = number(between(p, "apart", at) / 2)
-        for side, cents in (("left", -apart), ("right", apart)):
+        for side, cents in (("1", -apart), ("2", apart)):
             name = f"{course}_{side}"
             bodies.append({"name": name, "tuning_cents": cents, "string": string, "max_modes": count})
             places += [{"name": f"{name}_struck", "body": name, "position_m": number(speaking * (1 - between(p, "struck", at)))},
@@ -113,12 +113,12 @@ def dulcimer(p=NUMBERS, heard=HEARD):
             contacts.append({"name": f"{name}_head", "between": [f"{course}_hammer", f"{name}_struck"], "material": "felt_c4", "weight": number(between(p, "weight", at)),
                              "gap_m": 0.003})
             links.append({"name": f"{name}_bridge", "between": [f"{name}_over_bridge", f"bridge_{course}"]})
-        bodies.append({"name": f"{course}_hammer", "mass_kg": number(p["hammer"])})
+        bodies.insert(-1, {"name": f"{course}_hammer", "mass_kg": number(p["hammer"])})  # drawn between its strings
         places.append({"name": f"bridge_{course}", "body": "board", "shapes": [number(shapes[i]) for _, _, shapes, _, _ in MODES]})
-        keys.append({"first": first, "last": last, "event": f"strike_{course}_hammer", "tuned_key": key, "bodies": [f"{course}_left", f"{course}_right"]})
+        keys.append({"first": first, "last": last, "event": f"strike_{course}_hammer", "tuned_key": key, "bodies": [f"{course}_1", f"{course}_2"]})
     bodies.append({"name": "board", "modes": table(p)})
     places += [{"name": side, "body": "board", "shapes": [number(h * mode[sign]) for h, mode in zip(heard, MODES)]} for side, sign in (("left", 3), ("right", 4))]
-    strings = [f"{course}_{side}" for course in COURSES for side in ("left", "right")]
+    strings = [f"{course}_{side}" for course in COURSES for side in ("1", "2")]
     heads, bridges = ([f"{name}_{part}" for name in strings] for part in ("head", "bridge"))
     return {"name": "dulcimer", "description": "hammered dulcimer, courses of two strings on a board", "bodies": bodies, "places": places, "contacts": contacts, "links": links,
             "controls": [{"name": "head", "stiffness_ratio": heads, "min": 0.01, "max": 100}, {"name": "head", "loss_s_per_m": heads, "initial": 0.1, "max": 2},
@@ -136,7 +136,7 @@ DULCIMER = {"events": [], "velocity": 0.7, "inharmonicity": INHARMONICITY, "seco
 def velocities(program, key):
     """Of the modes of the board in a note, up to one factor."""
     file = dulcimer()
-    file["outputs"] = [{"name": f"under_{course}", "force_n": [f"{course}_left_bridge", f"{course}_right_bridge"]} for course in COURSES]
+    file["outputs"] = [{"name": f"under_{course}", "force_n": [f"{course}_1_bridge", f"{course}_2_bridge"]} for course in COURSES]
     forces = [rendered(program, DULCIMER, file, key, "--bits", "32", "--signal", f"under_{course}") for course in COURSES]
     found = []
     for mode, (_, _, shapes, _, _) in zip(table(NUMBERS), MODES):
