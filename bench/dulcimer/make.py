@@ -33,6 +33,7 @@ FITTED = (60, 67, 79, 84)
 ENDS = (60, 84)  # keys between which numbers of strings and hammers go by ratios
 WIRE = 1.2485e-3  # kg/m: steel of 0.45 mm
 BEHIND = 0.03  # of the length: from the bridge to the pin behind it
+WIDE = 2000  # Hz: modes below sound alike to the left and right
 SCALE = [0, 1, 2, 4, 6, 7, 9, 11]  # of D and G major
 INHARMONICITY = {60: 1e-4, 62: 2.2e-4, 67: 2.3e-4, 72: 2.2e-4, 79: 1.8e-4, 84: 4.8e-4}  # where partials are looked for
 ALIKE = (1.5, 3)  # how much an e-fold between neighbouring modes counts beside a decibel: first less
@@ -57,7 +58,7 @@ def modes():
         at.append((number(f, 4), apart))
     at += [(number(440 * 2 ** ((key - 69) / 12 + random.uniform(-0.005, 0.005)), 5), 0) for key in range(62, 122) if key % 12 in SCALE]
     found = [(f, apart, random.choice([-1, 1], len(COURSES)) * random.uniform(0.4, 1, len(COURSES)), *random.choice([-1, 1], 2)) for f, apart in at]
-    return [mode for mode in found if mode[1] or mode[0] < 6000]
+    return [(*mode[:4], mode[3] if mode[0] < WIDE else mode[4]) for mode in found if mode[1] or mode[0] < 6000]
 
 
 MODES = modes()
