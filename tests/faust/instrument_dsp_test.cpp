@@ -371,7 +371,7 @@ TEST(FaustInstrument, OfBodiesOnSpringsIsTheClass) {
   expect_same_sound<instruments::marimba<double>, marimba_double>(
       10000, {{100, "strike_mallet_ds4", 1}, {5000, "tubes_damping_per_s", 100}});
   expect_same_sound<instruments::dulcimer<double>, dulcimer_double>(
-      10000, {{100, "strike_cs5_hammer", 1}, {3000, "strike_e4_hammer", 1}, {5000, "hand_damping_per_s", 20}});
+      10000, {{100, "strike_cs5_hammer", 1}, {5000, "hand_damping_per_s", 20}});
 }
 
 template <typename Dsp>
