@@ -355,8 +355,8 @@ class dulcimer : public Voices<NetworkInstrument<T>> {
         {"strike_cs5_hammer", EventKind::kStrike, 1, 4},
         {"strike_as5_hammer", EventKind::kStrike, 2, 5}}};
     static constexpr std::array<Output, 4> outputs = {{
-        {"left_velocity_m_per_s", "m/s", 0.18},
-        {"right_velocity_m_per_s", "m/s", 0.18},
+        {"left_velocity_m_per_s", "m/s", 0.22},
+        {"right_velocity_m_per_s", "m/s", 0.22},
         {"bridge_force_n", "N", 40.0},
         {"hammer_force_n", "N", 50.0}}};
     static constexpr std::array<KeyRange, 3> key_ranges = {{

@@ -182,7 +182,7 @@ class marimba : public Voices<NetworkInstrument<T>> {
         {"strike_mallet_ds5", EventKind::kStrike, 4, 7},
         {"strike_mallet_a5", EventKind::kStrike, 5, 8}}};
     static constexpr std::array<Output, 2> outputs = {{
-        {"both_velocity_m_per_s", "m/s", 3.2},
+        {"both_velocity_m_per_s", "m/s", 5.5},
         {"bars_velocity_m_per_s", "m/s", 2.0}}};
     static constexpr std::array<KeyRange, 6> key_ranges = {{
         {48, 53, 0, 51, 0},

@@ -51,7 +51,7 @@ KALIMBA = """\
 // bends behind its bridge, too, the first overtone is at 6.75 for A4, 5.07 for D6; that of a bar clamped at the bridge at 6.27.
 // Recorded are 6.75 for A4 and 5.19 for C6. The box is 0.53 l with a hole of 28 mm: the air in it is a mass, rho S (4 mm + 1.7 a), times
 // (A/S)^2, A = 0.009 m^2 of the lid, on the spring rho c^2 A^2/V. The frequencies of its modes are peaks between the partials of recorded
-// notes; their quality is 3.5, so that no key stands out. Overtones decay as recorded ones do, by 17 to 22 1/s; modes above 10.5 kHz are left out.
+// notes; their quality is 3.5, so that no key stands out. Overtones of F4 to F5 decay by 18 to 23 1/s, as recorded ones do, higher ones faster; modes above 10.5 kHz are left out.
 // Written by bench/bars/make.py: how losses and forces change from key to key, and how loud each mode of the box is, are fitted to recorded
 // notes of FluidR3 GM (MIT).
 """
@@ -111,7 +111,7 @@ def marimba(numbers=MARIMBA_NUMBERS, sharp=SHARP):
     file["controls"] = [{"name": "tubes", "damping_per_s": every("tube"), "max": 1e4},
                         {"name": "head", "stiffness_ratio": every("head"), "min": 0.01, "max": 100}, {"name": "hand", "damping_per_s": every("bar"), "max": 1000}]
     file["strikes"] = every("mallet")
-    file["outputs"] = [{"name": "both", "velocity_m_per_s": every("opening") + every("heard"), "full_scale": 3.2}, {"name": "bars", "velocity_m_per_s": every("heard"), "full_scale": 2}]
+    file["outputs"] = [{"name": "both", "velocity_m_per_s": every("opening") + every("heard"), "full_scale": 5.5}, {"name": "bars", "velocity_m_per_s": every("heard"), "full_scale": 2}]
     return file
 
 

@@ -59,7 +59,7 @@ INSTRUMENTS = {
         "from_hz": 350, "even": 1.5, "force_n": 1, "full_scale": 0.02, "about": """\
 // A cello under four points of hair of a rigid bow. The D string has the tension and the stiffness of Mansour, Woodhouse and Scavone
 // (Acta Acustica united with Acustica 102, 2016); those of the others are typical ones. Lowest modes of the body about A0, CBR, B1-
-// and B1+.
+// and B1+. Its `wood` is fitted to keys about as loud as their neighbours, too.
 """}}
 HEADER = """\
 // Written by bench/bowed/make.py, which says how: the shapes of `wood` are fitted to recorded notes of FluidR3 GM (MIT) and of

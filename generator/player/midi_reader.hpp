@@ -25,7 +25,7 @@ struct MidiNote {
   int channel;                       ///< 0 to 15
   double cents = 0;                  ///< of its own, beside the bend of its channel
   double release = 0;                ///< velocity with which the key is let go, 0 to 1
-  std::size_t begins = 0, ends = 0;  ///< places of its messages in the file, which tell the order at one time
+  std::size_t begins = 0, ends = 0;  ///< numbers of both among what the file plays
 };
 
 /// The pitch wheel or the tuning of a channel goes to another place.

@@ -80,7 +80,7 @@ struct Note {
   double velocity;                   ///< 0 to 1
   double hold_s;                     ///< infinite: for ever
   double cents = 0;                  ///< above the pitch of the key
-  std::size_t begins = 0, ends = 0;  ///< which of what happens at one time comes first
+  std::size_t begins = 0, ends = 0;  ///< numbers of both; in one sample the lower comes first
 };
 
 /// One resonator with its hammer, slide or fret, or one instrument of a file.

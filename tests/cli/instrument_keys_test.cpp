@@ -174,7 +174,7 @@ TEST_F(KeysOnTheCommandLine, AreRefusedWhereTheyCannotPlay) {
   expect_refused(
       render("song.mid", "felt_c4"), "--instrument: felt_c4: is a material",
       "allowed: a .json file of an instrument or a keyboard, a model of your own (.so), cello, classical_guitar, "
-      "fret_guitar, or another name of `contactspline list instruments`");
+      "dulcimer, or another name of `contactspline list instruments`");
   expect_refused(render("song.mid", "probe"), "--instrument: probe: is no instrument and no keyboard",
                  "allowed: probe.json, which is a file here, a model of your own (.so), ");
   expect_refused(run_here({"render", "song"}), "song: SCORE: no such score ships",

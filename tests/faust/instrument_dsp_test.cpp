@@ -370,6 +370,7 @@ TEST(FaustInstrument, OfBodiesOnSpringsIsTheClass) {
       10000, {{0, "cavity_stiffness_n_per_m", 50000}, {100, "pluck_finger_d3", 1}, {5000, "hand_damping_per_s", 20}});
   expect_same_sound<instruments::marimba<double>, marimba_double>(
       10000, {{100, "strike_mallet_ds4", 1}, {5000, "tubes_damping_per_s", 100}});
+  // One blow: the class plays a second one on another voice, whose strings rest.
   expect_same_sound<instruments::dulcimer<double>, dulcimer_double>(
       10000, {{100, "strike_cs5_hammer", 1}, {5000, "hand_damping_per_s", 20}});
 }

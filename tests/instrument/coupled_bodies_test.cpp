@@ -167,7 +167,7 @@ TEST(BodiesOfKeys, HaveThePitchOfTheirKeys) {
     const InstrumentArrays arrays = arrays_of(shipped(name), kRate / 2);
     const auto instrument = Engine<double>::network(arrays.view());
     for (const KeyRange& range : arrays.model->keys.ranges)
-      for (const int key : {range.first, range.tuned_key, range.last}) {
+      for (int key = range.first; key <= range.last; ++key) {
         instrument->prepare(kRate);
         instrument->note_on(key, 0.5);
         std::vector<double> sound(static_cast<std::size_t>(kRate / 2));

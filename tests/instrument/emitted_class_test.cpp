@@ -25,20 +25,15 @@ Score shipped_score(const std::string& name) {
   return parse_score(find_embedded(Shipped::kScores, name + ".json")->content, name, shipped_file);
 }
 
-// Drives a voice of the emitted class, without its keys, by one of a score, and compares its first output with what
-// `render` plays, bit by bit.
+// Drives the arrays of the emitted class, without its keys, by a score with one voice, and compares the first output
+// with what `render` plays, bit by bit.
 template <typename Emitted>
 void expect_same_as_render(const std::string& score_name) {
   Score score = shipped_score(score_name);
   score.duration_s = 0.75;
-  for (std::size_t v = 0; v < score.voices.size(); ++v)
-    if (score.voices[v].pan != 0 || score.voices.size() > 1) score.voices[v].pan = 0;
-  std::size_t voice = 0;  // one that is not retuned
-  while (score_name == "tanpura_drone" && score.voices[voice].name != "sa") ++voice;
-  const Voice& played = score.voices[voice];
-  PlayOptions options{kRate};
-  options.only_voice = voice;
-  const Performance expected = play(score, options, [](double) {});
+  ASSERT_EQ(score.voices.size(), 1u);
+  const Voice& played = score.voices[0];
+  const Performance expected = play(score, {kRate}, [](double) {});
 
   const auto emitted = std::make_unique<NetworkInstrument<double>>(Emitted::data::view(), kRate);
   ControlTrack controls(played, kRate);

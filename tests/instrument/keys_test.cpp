@@ -132,17 +132,17 @@ TEST(Tuning, IsOfTheBodiesOfItsKeys) {
   expect_alike(played(*instrument, 8820), played(*expected, 8820), 3e-8);
 }
 
-// An octave above the key with the pitch of the file 1.5 times as hard, an octave below two thirds as hard. Rounding
-// of the speed alone.
+// An octave above the key with the pitch of the file 1.5 times as hard, an octave below two thirds as hard, by equal
+// ratios between. Rounding of the speed alone.
 TEST(Keys, StrikeHarderByOctaves) {
   const InstrumentArrays even = arrays_of_text(zither(0, kKeys));
   std::string rising = kKeys;
   rising.replace(rising.find(" }"), 2, R"(, "per_octave": 1.5 })");
   const InstrumentArrays harder = arrays_of_text(zither(0, rising));
-  for (const int key : {48, 60, 72}) {
+  for (const int key : {48, 55, 60, 66, 72}) {
     const auto instrument = played_by(harder.view()), expected = played_by(even.view());
     instrument->note_on(key, 0.6);
-    expected->note_on(key, 0.6 * std::pow(1.5, (key - kTunedKey) / 12));
+    expected->note_on(key, 0.6 * std::pow(1.5, (key - kTunedKey) / 12.0));
     expect_alike(played(*instrument, 4410), played(*expected, 4410), 1e-12);
   }
 }

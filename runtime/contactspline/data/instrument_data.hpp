@@ -148,7 +148,8 @@ inline constexpr std::size_t kAllStrings = (std::numeric_limits<std::size_t>::ma
 
 /// Keys of MIDI from `first` to `last` that play an event. tuned_key: the key at which a string, a body with those
 /// tuned with it, or all strings have the pitch of the file; the others tune them, a semitone for each key. -1: the
-/// keys tune nothing. per_octave: by how much the parameter of the event is multiplied for each octave above it.
+/// keys tune nothing. per_octave: by how much the parameter of the event is multiplied for each octave above
+/// tuned_key.
 struct KeyRange {
   int first, last;
   std::size_t event;

@@ -97,19 +97,20 @@ class Voices {
   }
   [[nodiscard]] double value(std::size_t parameter) const { return values_[parameter]; }
 
-  /// velocity: 0 to 1, clamped; multiplies the parameter of the event, as does the key (KeyRange::strength). Keys
-  /// that it lacks and velocities that are not a number do nothing.
+  /// velocity: 0 to 1, clamped; multiplies the parameter of the event, which the key multiplies within its range
+  /// (KeyRange::strength). Keys that it lacks and velocities that are not a number do nothing.
   void note_on(int key, double velocity) {
     const KeyRange* range = range_of(key);
     if (range == nullptr || !is_number(velocity)) return;
     const Event& event = events()[range->event];
-    const double part = std::clamp(velocity, 0.0, 1.0) * range->strength(key);
+    const double part = std::clamp(velocity, 0.0, 1.0);
     // Which would lift the bow.
     if (event.kind == EventKind::kBow && !(part * moved_value(event.parameter, static_cast<std::size_t>(key)) > 0))
       return;
     Voice& voice = take(static_cast<std::size_t>(key));
     const ControlRange<double>& allowed = parameters()[event.parameter].allowed;
-    const double played = std::clamp(part * voice.instrument.value(event.parameter), allowed.min, allowed.max);
+    const double strong = range->strength(key) * voice.instrument.value(event.parameter);
+    const double played = part * std::clamp(strong, allowed.min, allowed.max);
     tune(voice, *range, key);
     play_event(voice.instrument, event, played);
   }
