@@ -40,7 +40,7 @@ class Playable {
   [[nodiscard]] Hosted<float>& hosted() { return hosted_; }
 
   void note_on(int key, double velocity) { hosted_.begin_note({.channel = 0, .key = key}, velocity); }
-  void note_off(int key) { hosted_.end_note({.channel = 0, .key = key}, 0); }
+  void note_off(int key) { hosted_.end_note({.channel = 0, .key = key}, 0, true); }
   /// Where a parameter is or goes to; not a number behind the last one.
   [[nodiscard]] double target(std::size_t parameter) const {
     return parameter < instrument().parameters().size() ? hosted_.target(parameter) : NAN;
