@@ -9,6 +9,7 @@ import numpy as np
 from scipy.io import wavfile
 
 RATE = 44100
+GAIN = "-40"  # of what is rendered [dB]: the same for all, so that they are as loud beside each other as they are
 
 
 def rounded(x, digits=5):
@@ -42,6 +43,12 @@ def a_weighting(f):
     """[dB]"""
     q = np.maximum(f, 1) ** 2
     return 2 + 20 * np.log10(12194 ** 2 * q * q / ((q + 20.6 ** 2) * np.sqrt((q + 107.7 ** 2) * (q + 737.9 ** 2)) * (q + 12194 ** 2)))
+
+
+def loudness(sound, begin=0, end=0.6):
+    """Of a part from the onset on [dB(A)]."""
+    power = np.abs(np.fft.rfft(from_onset(sound)[int(begin * RATE):int(end * RATE)], RATE)) ** 2
+    return 10 * np.log10((power * 10 ** (a_weighting(np.fft.rfftfreq(RATE, 1 / RATE)) / 10)).sum())
 
 
 def windows(sound, seconds, n=2048, hop=512):

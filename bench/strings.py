@@ -33,10 +33,9 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.signal import fftconvolve
 
-from notes import RATE, a_weighting, from_onset, mel, read, recorded, rounded, text_of
+from notes import GAIN, RATE, from_onset, loudness, mel, read, recorded, rounded, text_of
 
 LEVELS, DECAYS = 1.5, 3.5  # how much a decibel of a partial and an octave of its decay count beside a decibel of the spectrograms
-GAIN = "-40"  # of what is rendered [dB]: the same for all, so that they are as loud beside each other as they are
 FAR = 4  # differences of partials beyond these decibels count by their size, not by its square
 
 
@@ -58,12 +57,6 @@ def rendered(program, of, file, key, *options):
         subprocess.run([program, "render", f"{folder}/score.json", "--no-figure", "--gain", GAIN, *options, "-o", f"{folder}/note.wav"], check=True,
                        capture_output=True)
         return read(f"{folder}/note.wav")
-
-
-def loudness(sound):
-    """Of 0.6 s from the onset on [dB(A)]."""
-    spectrum = np.abs(np.fft.rfft(from_onset(sound)[:int(0.6 * RATE)], RATE)) ** 2
-    return 10 * np.log10((spectrum * 10 ** (a_weighting(np.fft.rfftfreq(RATE, 1 / RATE)) / 10)).sum())
 
 
 class Note:

@@ -32,7 +32,7 @@ from scipy.optimize import brentq, least_squares
 from scipy.signal import fftconvolve
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from notes import RATE, a_weighting, from_onset, mel, read, rounded, text_of
+from notes import GAIN, RATE, from_onset, loudness, mel, read, rounded, text_of
 
 MARIMBA = """\
 // Marimba of C3 to C6: six bars, each with its tube and its mallet, of which keys tune one to half an octave. Bars as usual, 0.33 m and
@@ -58,7 +58,6 @@ KALIMBA = """\
 C, RHO = 343, 1.2
 PRIOR = 0.5  # how much an e-fold from where a search begins counts beside a decibel
 EVEN, BRIGHT = 1, 0.3  # how much a decibel of a key's loudness and fall counts, and of its overtone
-GAIN = "-40"  # of what is rendered [dB]: the same for all, so that they are as loud beside each other as they are
 WIDER = 8  # the bar's surface over the mouth
 BARS = {"ds3": (48, 53), "a3": (54, 59), "ds4": (60, 65), "a4": (66, 71), "ds5": (72, 77), "a5": (78, 84)}  # keys
 SHARP = {"ds3": 6.43, "a3": 3.87, "ds4": 2.32, "a4": 1.48, "ds5": 0.862, "a5": 0.521}  # cents, as rendered: the air is a spring under the bar
@@ -171,12 +170,6 @@ KINDS = {"marimba": {"about": MARIMBA, "file": marimba, "numbers": MARIMBA_NUMBE
                      "beside": "rise", "even": (48, 53, 54, 59, 60, 65, 66, 71, 72, 77, 78, 84), "bright": ()},
          "kalimba": {"about": KALIMBA, "file": kalimba, "numbers": KALIMBA_NUMBERS, "sharp": FLAT, "keys": TINES, "seconds": 0.3, "notes": (65, 69, 77),
                      "beside": "overtone", "even": (*range(60, 87, 2), 71, 87, 88), "bright": (60, 61, 62, 63, 64, 67, 71, 73)}}
-
-
-def loudness(sound, begin=0, end=0.6):
-    """Of a part from the onset on [dB(A)]."""
-    power = np.abs(np.fft.rfft(from_onset(sound)[int(begin * RATE):int(end * RATE)], RATE)) ** 2
-    return 10 * np.log10((power * 10 ** (a_weighting(np.fft.rfftfreq(RATE, 1 / RATE)) / 10)).sum())
 
 
 def fall(sound, seconds):
