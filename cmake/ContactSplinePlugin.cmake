@@ -5,8 +5,8 @@
 # OUTPUT_DIR/vst3/TARGET.vst3 and OUTPUT_DIR/lv2/TARGET.lv2. The build target TARGET builds all of them, TARGET_clap and
 # so on one each. For Linux and Windows.
 #
-# INSTRUMENT  the name of an instrument that ships: a file of instruments, a keyboard on its body such as piano,
-#             hammer_string, slide_string, fret_string; or of an instrument in MATERIALS
+# INSTRUMENT  the name of an instrument that ships: a file of instruments, a keyboard on its body such as piano, or
+#             hammer_string; or of an instrument in MATERIALS
 # HEADER      a C++ file, relative to the current source folder, or a name on the include path
 # CLASS       a class in it that meets contactspline::Instrument and is built without arguments:
 #             "my::Kalimba<float>"
@@ -102,7 +102,6 @@ endfunction()
 function(_contactspline_plugin_class)
   get_target_property(instruments ContactSpline::materials CONTACTSPLINE_INSTRUMENTS)
   get_target_property(keyboards ContactSpline::materials CONTACTSPLINE_KEYBOARDS)
-  set(models hammer_string slide_string fret_string)
   set(own "")
   foreach(target IN LISTS arg_MATERIALS)
     get_target_property(outputs ${target} CONTACTSPLINE_OUTPUTS)
@@ -120,19 +119,14 @@ function(_contactspline_plugin_class)
   elseif(arg_INSTRUMENT IN_LIST keyboards)
     set(header contactspline/instrument/keyboard_instrument.hpp contactspline/keyboards/${arg_INSTRUMENT}.hpp)
     set(class "contactspline::KeyboardInstrument<contactspline::keyboards::${arg_INSTRUMENT}, float>")
-  elseif(arg_INSTRUMENT IN_LIST models)
-    set(parts_of_hammer_string HammerStringOf felt_c4 string_c4)
-    set(parts_of_slide_string SlideStringOf steel_on_steel guitar_g3)
-    set(parts_of_fret_string FretStringOf steel_on_steel guitar_d3)
-    list(POP_FRONT parts_of_${arg_INSTRUMENT} model material resonator)
-    set(header contactspline/instrument/instruments_of.hpp contactspline/materials/${material}.hpp
-               contactspline/resonators/${resonator}.hpp)
-    set(class "contactspline::${model}<contactspline::materials::${material}, contactspline::resonators::${resonator}, float>")
+  elseif(arg_INSTRUMENT STREQUAL hammer_string)
+    set(header contactspline/instrument/instruments_of.hpp contactspline/materials/felt_c4.hpp
+               contactspline/resonators/string_c4.hpp)
+    set(class "contactspline::HammerStringOf<contactspline::materials::felt_c4, contactspline::resonators::string_c4, float>")
   else()
     list(JOIN instruments ", " instruments)
     list(JOIN keyboards ", " keyboards)
-    list(JOIN models ", " models)
-    list(APPEND own ${instruments} ${keyboards} ${models})
+    list(APPEND own ${instruments} ${keyboards} hammer_string)
     list(JOIN own ", " own)
     _contactspline_fail("INSTRUMENT: no '${arg_INSTRUMENT}' ships or is emitted as cpp by MATERIALS; allowed: ${own}")
   endif()

@@ -9,9 +9,6 @@
 #include "contactspline/instrument/keyboard_instrument.hpp"
 #include "contactspline/keyboards/piano.hpp"
 #include "contactspline/materials/felt_c4.hpp"
-#include "contactspline/materials/steel_on_steel.hpp"
-#include "contactspline/resonators/guitar_d3.hpp"
-#include "contactspline/resonators/guitar_g3.hpp"
 #include "contactspline/resonators/string_c4.hpp"
 
 namespace contactspline {
@@ -23,8 +20,6 @@ namespace contactspline {
 template <std::floating_point T>
 using NamedModels =
     std::tuple<KeyboardInstrument<keyboards::piano, T>, HammerStringOf<materials::felt_c4, resonators::string_c4, T>,
-               SlideStringOf<materials::steel_on_steel, resonators::guitar_g3, T>,
-               FretStringOf<materials::steel_on_steel, resonators::guitar_d3, T>,
                MassBarrierOf<materials::felt_c4, T>>;
 
 }  // namespace contactspline

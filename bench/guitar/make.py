@@ -57,11 +57,11 @@ FRET_BEGIN = {"constant": 1.58, "quadratic": 4.77e-4, "plucked": 0.42, "magnet":
               "cone_600": 4.467, "cone_1400": -1.76, "cone_2800": 5.267, "cone_5000": -0.118}
 FRET_RANGES = {"constant": (0.5, 6), "quadratic": (2e-5, 2e-3), "plucked": (0.38, 0.61), "magnet": (0.47, 0.63), "cone": (-8, 8)}
 FRET_HEADER = """\
-// The D string of a guitar, 146.8 Hz, which buzzes on a stiff fret near its end, as in the score fret_buzz: the louder the note,
-// the longer it buzzes. Keys tune it by its tension, and pluck it twice as hard for each octave, so that it moves as fast on all. A
-// magnet near the bridge moves the modes of an amplifier, which is so light that the string does not feel it: pickup, filter and
-// loudspeaker in one. Fitted to E2, D3, G3 and E4 of Clean Guitar of FluidR3 GM (MIT), by least squares of differences of log-mel
-// spectrograms, partials and decays: losses of the string, the places of finger and magnet, and how each mode sounds.
+// The D string of a guitar, 146.8 Hz, which buzzes on a stiff fret near its end: the louder the note, the longer it buzzes. Keys
+// tune it by its tension, and pluck it twice as hard for each octave, so that it moves as fast on all. A magnet near the bridge moves
+// the modes of an amplifier, which is so light that the string does not feel it: pickup, filter and loudspeaker in one. Fitted to
+// E2, D3, G3 and E4 of Clean Guitar of FluidR3 GM (MIT), by least squares of differences of log-mel spectrograms, partials and
+// decays: losses of the string, the places of finger and magnet, and how each mode sounds.
 """
 HEADER = """\
 // Six nylon strings on a guitar's body, each plucked by a finger; they also sound with each other. A string runs over the saddle,

@@ -78,12 +78,24 @@ def files(p):
 def note(program, folder, key):
     folder = Path(folder).resolve()
     with tempfile.TemporaryDirectory() as scratch:
-        score = {"instrument": "fret-string", "duration_s": OF["seconds"] + 0.1, "body": f"{folder}/guitar_body.json",
-                 "voices": [{"name": "v", "resonator": f"{folder}/{STRINGS[key]}.json", "material": "steel_on_steel", "pluck_m": 0.52, "pickup_m": 0.6}],
-                 "events": [{"time_s": 0, "place_m": 0.3, "gap_m": 0.05}, {"time_s": 0.05, "voice": "v", "pluck_n": 3}]}
+        string = {"name": "string", "bodies": [{"name": "string", "resonator": f"{folder}/{STRINGS[key]}.json"}],
+                  "places": [{"name": "plucked", "body": "string", "position_m": 0.52}],
+                  "controls": [{"name": "pick", "force_n": "plucked", "min": -5, "max": 5}],
+                  "outputs": [{"name": "string", "end_force_n": "string"}]}
+        score = {"instrument": string, "duration_s": OF["seconds"] + 0.1, "events": [{"time_s": 0.05, "pick_release_n": 3}]}
         Path(f"{scratch}/score.json").write_text(json.dumps(score), encoding="utf-8")
         subprocess.run([program, "render", f"{scratch}/score.json", "--no-figure", "-o", f"{scratch}/note.wav"], check=True, capture_output=True)
-        return strings.Note(read(f"{scratch}/note.wav"), key, OF)
+        return strings.Note(on_body(read(f"{scratch}/note.wav"), Path(f"{folder}/guitar_body.json").read_text(encoding="utf-8")), key, OF)
+
+
+def on_body(force, told):
+    """The velocity of the body, by its modes, under the force of the string on its bridge."""
+    length = 2 * len(force)  # the body rings behind the note, not into its beginning
+    w = 2 * np.pi * np.fft.rfftfreq(length, 1 / 44100)
+    modes = re.findall(r'"frequency_hz": (\S+), "decay_per_s": (\S+), "mass_kg": (\S+), "strike_shape": (\S+), "pickup_shape": ([-\d.e]+)', told)
+    mobility = sum(strike * pickup * 1j * w / (mass * ((2 * np.pi * f) ** 2 + decay ** 2 - w**2 + 2j * decay * w))
+                   for f, decay, mass, strike, pickup in np.array(modes, float))
+    return np.fft.irfft(np.fft.rfft(force, length) * mobility, length)[: len(force)]
 
 
 def write(p, folder):

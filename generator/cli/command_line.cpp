@@ -417,57 +417,41 @@ void add_tuning(CLI::App& command, ScoreOptions& options) {
   add_number(command, "--a4", options.a4_hz, "pitch of A4, key 69, in Hz", kA4_hz.min, kA4_hz.max);
 }
 
-// The options of a score. Without a model it is for what the score names.
-std::shared_ptr<ScoreOptions> add_score_options(CLI::App& command, std::optional<Model> model) {
+std::shared_ptr<ScoreOptions> add_score_options(CLI::App& command) {
   auto options = std::make_shared<ScoreOptions>();
   command
       .add_option("--signal", options->signal,
-                  model == Model::kFile
-                      ? "what the sound is: one of the outputs of the instrument (default: its first)"
-                      : "what the sound is: displacement, force, velocity, bridge or body;\n"
-                        "of an instrument file one of its outputs (default: what sounds best)")
+                  "what the sound is: one of the outputs of the instrument, or of a keyboard:\n"
+                  "body, bridge, velocity, displacement or force (default: what sounds best)")
       ->check(not_empty("an output"));
   command.add_option("--precision", options->precision, "floating-point precision of the model")
       ->check(one_of({"single", "double"}))
       ->capture_default_str();
   add_output_folder(command, "--stems", options->stems,
                     "folder for one file per voice, in the format and with the gain of the sound");
-  if (!model || model == Model::kHammerString)
-    add_number(command, "--channel", options->channels,
-               "MIDI channel to play; may be repeated (default: all but 10, which is for drums)", 1, 16)
-        ->allow_extra_args(false);
-  if (!model || model == Model::kFile)
-    command
-        .add_option("--instrument", options->instruments,
-                    "what plays a MIDI file (default: the piano): a keyboard or an instrument\n"
-                    "with keys, or a model of your own (.so), which plays scores, too;\n"
-                    "or several by channel, program or for the others: 1=piano,10=kit,p41=violin,*=cello")
-        ->allow_extra_args(false)
-        ->check(not_empty("an instrument"))
-        ->type_name("FILE");
+  add_number(command, "--channel", options->channels,
+             "MIDI channel to play; may be repeated (default: all but 10, which is for drums)", 1, 16)
+      ->allow_extra_args(false);
+  command
+      .add_option("--instrument", options->instruments,
+                  "what plays a MIDI file (default: the piano): a keyboard or an instrument\n"
+                  "with keys, or a model of your own (.so), which plays scores, too;\n"
+                  "or several by channel, program or for the others: 1=piano,10=kit,p41=violin,*=cello")
+      ->allow_extra_args(false)
+      ->check(not_empty("an instrument"))
+      ->type_name("FILE");
   add_number(command, "--tail", options->tail_s,
              "seconds behind the last note of a MIDI file, or the duration of a score\n"
              "(default: a MIDI file sounds until it is 60 dB down)",
              0.0, 600.0);
-  if (!model || model == Model::kHammerString || model == Model::kFile) add_tuning(command, *options);
+  add_tuning(command, *options);
   return options;
-}
-
-void add_model(CLI::App& render, Model model, const char* help, const char* example) {
-  CLI::App* command = render.add_subcommand(std::string(name_of(model)), help);
-  const auto options = add_score_options(*command, model);
-  add_input(*command, "SCORE,--score", options->scores, kScoreHelp)->required();
-  add_outputs(*command, options->output);
-  command->footer(fmt::format(
-      "Example:\n  contactspline render {0} {1} -o {1}.wav\nThe scores that ship: contactspline list scores",
-      name_of(model), example));
-  command->callback([options, model] { render_scores(model, *options); });
 }
 
 void add_render(CLI::App& app) {
   CLI::App* command = app.add_subcommand("render", "Play a score, or an instrument, to a sound file and a figure");
   command->require_subcommand(0, 1);
-  const auto options = add_score_options(*command, {});
+  const auto options = add_score_options(*command);
   add_input(*command, "SCORE,--score", options->scores, kScoreHelp);
   add_outputs(*command, options->output);
   command->footer(
@@ -479,15 +463,9 @@ void add_render(CLI::App& app) {
   command->callback([command, options] {
     if (!command->get_subcommands().empty()) return;
     if (options->scores.empty()) throw CLI::RequiredError("--score");
-    render_scores({}, *options);
+    render_scores(*options);
   });
   add_mass_barrier(*command);
-  add_model(*command, Model::kHammerString, "Felt hammers on strings, bars or drums, played from a score",
-            "fur_elise");
-  add_model(*command, Model::kSlideString, "Plucked strings with a slide, played from a score", "slide_guitar");
-  add_model(*command, Model::kFretString, "Plucked strings that buzz against a fret, played from a score",
-            "fret_buzz");
-  add_model(*command, Model::kFile, "The instrument that a score names, of any bodies and contacts", "tanpura_drone");
 }
 
 void add_all(CLI::App& app) {

@@ -131,6 +131,6 @@ struct ScoreOptions {
   RenderOutput output;
 };
 /// Reads all scores, then plays each. model: what they must be for; empty: any.
-void render_scores(std::optional<Model> model, const ScoreOptions& given);
+void render_scores(const ScoreOptions& given);
 
 }  // namespace contactspline

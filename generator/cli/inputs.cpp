@@ -206,7 +206,7 @@ Source file_source(const std::string& file, double max_frequency_hz) {
 
 // What may stand in place of something that is no score.
 std::string score_for(const std::string& argument, Shipped kind) {
-  if (kind != Shipped::kInstruments) return "a score";
+  if (kind != Shipped::kInstruments && kind != Shipped::kKeyboards) return "a score";
   return fmt::format("a score with \"instrument\": \"{0}\", or a MIDI file with --instrument {0}", shown(argument));
 }
 

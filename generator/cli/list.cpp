@@ -96,14 +96,14 @@ std::string instruments() {
 }
 
 std::string scores() {
-  std::string table = fmt::format("{:<20} {:<14} {:>12}  {}\n", "name", "instrument", "duration [s]", "description");
+  std::string table = fmt::format("{:<20} {:<16} {:>12}  {}\n", "name", "instrument", "duration [s]", "description");
   for (const std::string& name : shipped_names(Shipped::kScores)) {
     const EmbeddedFile* midi = find_embedded(Shipped::kScores, name + ".mid");
     const EmbeddedFile* file = midi != nullptr ? midi : find_embedded(Shipped::kScores, name + ".json");
     const ScoreHeading score =
         midi != nullptr ? midi_score_heading(file->content, file->name) : score_heading(file->content, file->name);
     table +=
-        fmt::format("{:<20} {:<14} {:>12.4g}  {}\n", name, name_of(score.model), score.duration_s, score.description);
+        fmt::format("{:<20} {:<16} {:>12.4g}  {}\n", name, score.instrument, score.duration_s, score.description);
   }
   return table;
 }

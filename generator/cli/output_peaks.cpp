@@ -52,7 +52,7 @@ std::vector<OutputPeak> output_peaks(const InstrumentModel& model, double sample
   for (const ModelParameter& parameter : model.parameters) voice.initial.push_back(parameter.initial);
   const auto samples = static_cast<std::size_t>(kPlayed_s * sample_rate_hz);
   std::vector<std::vector<float>> sounds(peaks.size(), std::vector<float>(samples));
-  const InstrumentMaker maker = maker_of_voice(Model::kFile, std::move(voice));
+  const InstrumentMaker maker = maker_of_voice(std::move(voice));
   for (const Played& played : all_played(model)) {
     const auto instrument = maker.make<float>(sample_rate_hz);
     instrument->prepare(sample_rate_hz);

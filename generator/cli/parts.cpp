@@ -121,8 +121,8 @@ std::vector<Part> with_channels(std::vector<Part> parts, const std::map<int, Mid
 }
 
 bool moves_a_parameter(const Score& score, int controller) {
-  return score.model == Model::kFile &&
-         std::ranges::count(score.voices.front().model->parameters, controller, &ModelParameter::controller) > 0;
+  const InstrumentModel* model = model_of(score);
+  return model != nullptr && std::ranges::count(model->parameters, controller, &ModelParameter::controller) > 0;
 }
 
 /// Reads the parts of a MIDI file.
@@ -253,9 +253,9 @@ int channels_of(const Score& score, std::span<const MixGains> mix) {
 }
 
 Precision precision_of(const Score& score, Precision asked) {
-  const ModelModule* module = score.model == Model::kFile ? score.voices.front().model->module : nullptr;
-  if (module == nullptr) return asked;
-  return module->make_single != nullptr ? Precision::kSingle : Precision::kDouble;
+  const InstrumentModel* model = model_of(score);
+  if (model == nullptr || model->module == nullptr) return asked;
+  return model->module->make_single != nullptr ? Precision::kSingle : Precision::kDouble;
 }
 
 double full_scale_of(const Score& score, const PlayOptions& how) {

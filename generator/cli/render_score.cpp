@@ -37,7 +37,7 @@ std::string_view stem_of(const Output& output) {
   return name.substr(0, label_of(name).text.size());
 }
 
-// What --help calls an output of a model with parts: displacement, force, velocity, bridge.
+// What --help calls an output of a key: displacement, force, velocity, bridge.
 std::string_view word_of(const Output& output) {
   const std::string_view stem = stem_of(output);
   return stem == "contact_force" ? "force" : stem.substr(0, stem.find('_'));
@@ -49,20 +49,19 @@ bool is_called(const Output& output, std::string_view signal) {
   return signal == output.name || signal == stem || stem.starts_with(fmt::format("{}_", signal));
 }
 
-// A model of the user's own that plays, or null.
-const ModelModule* module_of(const Score& score) {
-  return score.model == Model::kFile ? score.voices.front().model->module : nullptr;
+// Is the instrument a model of the user's own?
+bool is_module(const Score& score) {
+  return model_of(score) != nullptr && model_of(score)->module != nullptr;
 }
 
-// Is an output the force of contacts alone? A file says so by what the output is the sum of, other models by its
-// name.
+// Is an output the force of contacts alone? A file says so by what the output is the sum of, others by its name.
 bool is_contact_force(const Score& score, const Output& output, std::size_t number) {
-  if (score.model != Model::kFile || module_of(score) != nullptr)
+  const InstrumentModel* model = model_of(score);
+  if (model == nullptr || model->module != nullptr)
     return stem_of(output) == "contact_force" || stem_of(output) == "force";
-  const InstrumentModel& model = *score.voices.front().model;
-  const ModelOutput& sum = model.outputs[number];
+  const ModelOutput& sum = model->outputs[number];
   return sum.quantity == OutputQuantity::kForce && std::ranges::all_of(sum.targets, [&](std::size_t target) {
-           return model.connections[target].each.kind == ConnectionKind::kContact;
+           return model->connections[target].each.kind == ConnectionKind::kContact;
          });
 }
 
@@ -70,7 +69,7 @@ bool is_contact_force(const Score& score, const Output& output, std::size_t numb
 void choose_output(const ScoreOptions& options, const Score& score, PlayOptions& how) {
   if (options.signal.empty()) return choose_best_output(score, how);
   const std::vector<Output> outputs = outputs_of(score);
-  if (options.signal == kBody && score.model != Model::kFile) {
+  if (options.signal == kBody && model_of(score) == nullptr) {
     how.is_on_body = true;
     return;
   }
@@ -80,8 +79,7 @@ void choose_output(const ScoreOptions& options, const Score& score, PlayOptions&
       return;
   }
   std::vector<std::string_view> names;
-  for (const Output& output : outputs)
-    names.emplace_back(score.model == Model::kFile ? output.name : word_of(output));
+  for (const Output& output : outputs) names.emplace_back(model_of(score) != nullptr ? output.name : word_of(output));
   if (score.body) names.push_back(kBody);
   throw BadInput(
       fmt::format("--signal: '{}' is no output; allowed: {}", shown(options.signal), fmt::join(names, ", ")));
@@ -124,10 +122,10 @@ struct PlayedPart {
   std::vector<MixGains> mix = {};
 };
 
-// What plays a score: an instrument or a keyboard by its name, or a model.
-std::string player_of(const Score& score) {
-  if (score.model == Model::kFile) return score.voices.front().model->name;
-  return score.keys.empty() ? std::string(name_of(score.model)) : score.voices.front().resonator.name;
+// The name of the instrument or the keyboard.
+const std::string& player_of(const Score& score) {
+  const InstrumentModel* model = model_of(score);
+  return model != nullptr ? model->name : score.voices.front().resonator.name;
 }
 
 // The description of a score, or its name and what plays it.
@@ -138,11 +136,11 @@ std::string title_of(const ScoreOptions& options, const std::vector<PlayedPart>&
   return fmt::format("{} ({})", std::filesystem::path(options.score).stem().string(), fmt::join(players, ", "));
 }
 
-// How many contacts of an instrument file the recorded force adds up; of other models 1.
+// How many contacts of an instrument file the recorded force adds up; of others 1.
 std::size_t summed_contacts(const Score& score) {
-  if (score.model != Model::kFile || module_of(score) != nullptr) return 1;
+  if (model_of(score) == nullptr || is_module(score)) return 1;
   std::size_t contacts = 0;
-  for (const ConnectionGroup& group : score.voices.front().model->connections)
+  for (const ConnectionGroup& group : model_of(score)->connections)
     if (group.each.kind == ConnectionKind::kContact) contacts += group.gaps_m.size();
   return contacts;
 }
@@ -239,15 +237,7 @@ void set_length(const ScoreOptions& options, PlayedPart& part) {
     part.how.max_ring_s = std::min(kLongestRing_s, longest_sound_s(rate_hz) - part.score.duration_s);
 }
 
-void require_model(const ScoreOptions& options, const Score& score, std::optional<Model> model) {
-  if (model && score.model != *model)
-    refuse(options.score, "instrument",
-           score.model == Model::kFile ? "the score is for an instrument file"
-                                       : fmt::format("the score is for a {}", name_of(score.model)),
-           fmt::format("render {}", name_of(score.model)));
-}
-
-Prepared prepare(std::optional<Model> model, const ScoreOptions& given) {
+Prepared prepare(const ScoreOptions& given) {
   const Tuning tuning = tuning_argument(given.tuning, given.keymap, given.a4_hz);
   PartSources sources = read_parts(given.score, parts_argument(given.instruments, given.channels), tuning);
   if (sources.list.size() > 1 && !given.signal.empty())
@@ -262,7 +252,6 @@ Prepared prepare(std::optional<Model> model, const ScoreOptions& given) {
     PlayedPart& part = parts.emplace_back(PlayedPart{std::move(name), std::move(source.score), {0}, std::move(mix)});
     if (!options.output.level_db) options.output.level_db = part.score.level_db;
     if (!options.output.oversampling) options.output.oversampling = part.score.oversampling;
-    require_model(options, part.score, model);
     require_short(options.score + ": duration_s", part.score.duration_s, options.output.model_rate_hz());
     channels = std::max(channels, channels_of(part.score, part.mix));
     std::ranges::move(source.files, std::back_inserter(files));
@@ -386,13 +375,13 @@ void require_one_score_each(const ScoreOptions& given) {
 
 }  // namespace
 
-void render_scores(std::optional<Model> model, const ScoreOptions& given) {
+void render_scores(const ScoreOptions& given) {
   require_one_score_each(given);
   std::vector<Prepared> all;
   for (const std::string& score : given.scores) {
     ScoreOptions options = given;
     options.score = score;
-    all.push_back(prepare(model, options));
+    all.push_back(prepare(options));
   }
   for (Prepared& prepared : all) render(prepared);
 }

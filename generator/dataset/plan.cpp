@@ -71,19 +71,14 @@ std::size_t read_column(const JsonObject& object, const char* name, std::string 
   return plan.columns.size() - 1;
 }
 
-void read_parameters(const Reading& reading, std::span<const double> missing) {
+void read_parameters(const Reading& reading) {
   const auto parameters = reading.instrument.parameters();
   std::vector<std::string> names;
   for (const Parameter& parameter : parameters) names.emplace_back(parameter.name);
   const bool has_any = reading.json.has("parameters");
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const Parameter& parameter = parameters[i];
-    const bool is_given = has_any && reading.json.object("parameters", names).has(parameter.name);
-    if (!is_given && i < missing.size() && std::isnan(missing[i]))
-      reading.json.fail(
-          fmt::format("parameters.{}", parameter.name), "missing",
-          fmt::format("a number or a distribution from {} to {}", parameter.allowed.min, parameter.allowed.max));
-    if (!is_given) continue;
+    if (!has_any || !reading.json.object("parameters", names).has(parameter.name)) continue;
     reading.plan.first.push_back({i, read_column(reading.json.object("parameters", names), parameter.name,
                                                  parameter.unit, range_of(parameter), reading.plan)});
   }
@@ -216,9 +211,7 @@ Plan parse_plan(std::string_view text, const std::string& file, const ReadFile& 
   plan.name = read_local_name(json);
   plan.text = text;
   plan.description = read_description(json);
-  const PlanInstrument made =
-      read_plan_instrument(json, [&](const std::string& path) { return plan.inputs[path] = read(path); });
-  plan.maker = made.maker;
+  plan.maker = read_plan_instrument(json, [&](const std::string& path) { return plan.inputs[path] = read(path); });
   constexpr std::string_view kSequences[] = {"random", "sobol"}, kPrecisions[] = {"single", "double"};
   plan.sequence = Sequence(read_word(json, "sequence", kSequences));
   plan.is_double = read_word(json, "precision", kPrecisions) == 1;
@@ -232,7 +225,7 @@ Plan parse_plan(std::string_view text, const std::string& file, const ReadFile& 
   plan.instrument = instrument->name();
   plan.license = instrument->license();
   const Reading reading{json, *instrument, seconds, plan};
-  read_parameters(reading, made.initial);
+  read_parameters(reading);
   read_events(reading);
   read_outputs(reading);
   return plan;

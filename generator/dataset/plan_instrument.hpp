@@ -2,22 +2,14 @@
 // The instrument of a plan.
 #pragma once
 
-#include <vector>
-
 #include "generator/material/contact_reader.hpp"
 #include "generator/player/instrument_maker.hpp"
 #include "generator/support/json_reader.hpp"
 
 namespace contactspline {
 
-struct PlanInstrument {
-  InstrumentMaker maker;
-  std::vector<double> initial;  ///< first values; NaN where the plan must state one; may be empty
-};
-
-/// Reads the keys `instrument` and `parts` of a plan: hammer_string, slide_string, fret_string, mass_barrier or piano
-/// with what they are made of, an instrument that ships, an instrument file, or an object with the keys of one.
-/// Throws BadInput.
-[[nodiscard]] PlanInstrument read_plan_instrument(const JsonObject& plan, const ReadFile& read);
+/// Reads the keys `instrument` and `parts` of a plan: hammer_string, mass_barrier or piano with what they are made
+/// of, an instrument that ships, an instrument file, or an object with the keys of one. Throws BadInput.
+[[nodiscard]] InstrumentMaker read_plan_instrument(const JsonObject& plan, const ReadFile& read);
 
 }  // namespace contactspline

@@ -2,10 +2,14 @@
 #include "generator/material/named_file.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "generator/support/error.hpp"
 #include "generator/support/file_kind.hpp"
@@ -15,38 +19,55 @@ namespace contactspline {
 
 namespace {
 
-std::string allowed_in(Shipped folder, std::string_view wrong = {}) {
-  return fmt::format("a .json file, {}", names_in_short(shipped_names(folder), wrong,
-                                                        fmt::format("contactspline list {}s", kind_name(folder))));
+using Folders = std::span<const Shipped>;
+
+std::string allowed_in(Folders folders, std::string_view wrong = {}) {
+  std::vector<std::string> names;
+  for (const Shipped folder : folders) std::ranges::copy(shipped_names(folder), std::back_inserter(names));
+  return fmt::format(
+      "a .json file, {}",
+      names_in_short(std::move(names), wrong, fmt::format("contactspline list {}s", kind_name(folders[0]))));
+}
+
+NamedText text_of_name(std::string_view file, std::string_view key, const std::string& name, Folders folders,
+                       const ReadFile& read) {
+  const auto one_of = [&](std::optional<Shipped> kind) {
+    if (kind && std::ranges::count(folders, *kind) == 0)
+      refuse(file, key, fmt::format("'{}' is {}", shown(name), a_kind(*kind)), allowed_in(folders));
+    return kind.value_or(folders[0]);
+  };
+  if (is_path(name)) {
+    std::string text = read_for_key(file, key, name, read);
+    const Shipped kind = one_of(kind_of_file(text, name, kind_name(folders[0])));
+    return {std::move(text), name, false, false, kind};
+  }
+  for (const Shipped folder : folders)
+    if (const EmbeddedFile* found = find_embedded(folder, name + ".json"))
+      return {std::string(found->content), name + ".json", true, false, folder};
+  (void)one_of(kind_of_name(name));
+  refuse(file, key, fmt::format("'{}' does not ship", shown(name)), allowed_in(folders, name));
 }
 
 }  // namespace
 
 NamedText named_text(std::string_view file, std::string_view key, const std::string& name, Shipped folder,
                      const ReadFile& read) {
-  const auto refuse_other = [&](std::optional<Shipped> kind) {
-    if (kind && *kind != folder)
-      refuse(file, key, fmt::format("'{}' is {}", shown(name), a_kind(*kind)), allowed_in(folder));
-  };
-  if (is_path(name)) {
-    std::string text = read_for_key(file, key, name, read);
-    refuse_other(kind_of_file(text, name, kind_name(folder)));
-    return {std::move(text), name, false};
-  }
-  const EmbeddedFile* found = find_embedded(folder, name + ".json");
-  if (found == nullptr) refuse_other(kind_of_name(name));
-  if (found == nullptr) refuse(file, key, fmt::format("'{}' does not ship", shown(name)), allowed_in(folder, name));
-  return {std::string(found->content), name + ".json", true};
+  return text_of_name(file, key, name, {&folder, 1}, read);
 }
 
 NamedText read_named(const JsonObject& object, const char* key, Shipped folder, const ReadFile& read) {
-  if (object.has_object(key)) {
-    NamedText named{object.json(key), fmt::format("{}: {}", object.file(), object.key(key)), false, true};
-    if (const auto kind = kind_of_file(named.text, named.file, kind_name(folder)); kind && *kind != folder)
-      object.fail(object.key(key), "is " + a_kind(*kind), allowed_in(folder));
-    return named;
-  }
-  return named_text(object.file(), object.key(key), object.text(key, allowed_in(folder)), folder, read);
+  return read_named(object, key, Folders(&folder, 1), read);
+}
+
+NamedText read_named(const JsonObject& object, const char* key, Folders folders, const ReadFile& read) {
+  if (!object.has_object(key))
+    return text_of_name(object.file(), object.key(key), object.text(key, allowed_in(folders)), folders, read);
+  NamedText named{object.json(key), fmt::format("{}: {}", object.file(), object.key(key)), false, true};
+  const auto kind = kind_of_file(named.text, named.file, kind_name(folders[0]));
+  if (kind && std::ranges::count(folders, *kind) == 0)
+    object.fail(object.key(key), "is " + a_kind(*kind), allowed_in(folders));
+  named.kind = kind.value_or(folders[0]);
+  return named;
 }
 
 ReadFile reader_beside(const NamedText& named, const ReadFile& read) {

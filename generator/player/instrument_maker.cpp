@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "generator/player/instrument_maker.hpp"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
+#include <algorithm>
 #include <concepts>
 #include <memory>
 #include <stdexcept>
@@ -18,6 +16,7 @@
 #include "generator/player/instrument_parts.hpp"
 #include "generator/player/score_reader.hpp"
 #include "generator/resonator/keyboard_reader.hpp"
+#include "generator/resonator/resonator_reader.hpp"
 #include "generator/spline/design.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
@@ -37,35 +36,44 @@ Handle<T> of_module(const ModelModule& module) {
   throw std::logic_error("of_module: the module computes in the other precision");
 }
 
-// What plays a voice of a model. Throws BadInput where it has no mode below half the rate.
+// What plays a voice. Throws BadInput where it has no mode below half the rate.
 template <std::floating_point T>
-Handle<T> instrument_of(Model model, const Voice& voice, double sample_rate_hz) {
-  switch (model) {
-    case Model::kHammerString:
-      return Engine<T>::hammer_string(hammer_string_parts(voice, sample_rate_hz));
-    case Model::kSlideString:
-      return Engine<T>::slide_string(plucked_string_parts(voice, sample_rate_hz));
-    case Model::kFretString:
-      return Engine<T>::fret_string(plucked_string_parts(voice, sample_rate_hz));
-    case Model::kFile:
-      break;
-  }
+Handle<T> instrument_of(const Voice& voice, double sample_rate_hz) {
+  if (!voice.model) return Engine<T>::hammer_string(hammer_string_parts(voice, sample_rate_hz));
   if (voice.model->module != nullptr) return of_module<T>(*voice.model->module);
   const auto arrays = std::make_shared<const InstrumentArrays>(instrument_arrays(*voice.model, sample_rate_hz));
   return Engine<T>::network(arrays->view(), arrays);
 }
 
-}  // namespace
-
-InstrumentMaker maker_of_voice(Model model, Voice voice) {
-  return InstrumentMaker::of([model, voice = std::move(voice)](auto precision, double rate) {
-    auto instrument = instrument_of<decltype(precision)>(model, voice, rate);
-    for (std::size_t i = 0; i < voice.initial.size(); ++i) instrument->set(i, voice.initial[i]);
-    return instrument;
-  });
+// A hammer of a material on a resonator, and its damper.
+InstrumentMaker hammer_string_of(const JsonObject& parts, const ReadFile& read) {
+  using Control = HammerStringParameter;
+  Voice voice;
+  voice.name = "hammer_string";
+  const NamedText resonator = read_named(parts, "resonator", Shipped::kResonators, read);
+  voice.resonator = parse_resonator(resonator.text, resonator.file);
+  if (parts.has("tuning_cents")) {
+    auto* string = std::get_if<StiffString>(&voice.resonator.body);
+    if (string == nullptr) parts.fail(parts.key("tuning_cents"), "is not for this resonator", "beside strings");
+    for (double& cents : string->detuning_cents) cents += parts.number("tuning_cents", kTuningCents);
+  }
+  DesignedMaterials materials(read);
+  const auto& [material, table] = materials.of(parts);
+  voice.contact = table;
+  voice.memories = material.memories;
+  if (!parts.has("hammer_mass_kg") && !material.impact)
+    parts.fail(parts.key("hammer_mass_kg"), "missing, and the material has no impact", "a number");
+  for (const Parameter& parameter : Control::kList) voice.initial.push_back(parameter.initial);
+  voice.initial[Control::kHammerMass] =
+      parts.has("hammer_mass_kg") ? parts.number("hammer_mass_kg", {1e-6, 100}) : material.impact->mass_kg;
+  voice.initial[Control::kLoss] = material.loss_s_per_m;
+  voice.initial[Control::kPlace] = voice.resonator.strike.position_m;
+  if (parts.has("damper_per_s")) voice.damper.damping_per_s = parts.number("damper_per_s", {0, 1e5});
+  return maker_of_voice(std::move(voice));
 }
 
-InstrumentMaker maker_of_mass_barrier(const JsonObject& parts, const ReadFile& read) {
+// A mass before a rigid barrier, of the material's impact, or of 3 g where it has none.
+InstrumentMaker mass_barrier_of(const JsonObject& parts, const ReadFile& read) {
   constexpr double kAnyMass_kg = 0.003;
   const NamedText named = read_named(parts, "material", Shipped::kMaterials, read);
   const Design design = design_material(named.text, named.file, reader_beside(named, read));
@@ -76,22 +84,38 @@ InstrumentMaker maker_of_mass_barrier(const JsonObject& parts, const ReadFile& r
       [made](auto precision, double) { return Engine<decltype(precision)>::mass_barrier(made); });
 }
 
-// A score plays all keys once, so that its reader designs their felts.
-InstrumentMaker maker_of_keyboard(const std::string& keyboard, const std::string& file, const ReadFile& read) {
-  const JsonObject parts =
-      parse_json(fmt::format(R"({{"keyboard": {}}})", keyboard), file, "instrument", {"keyboard"});
+// A keyboard on its body, with all keys; designs their felts, which takes some seconds.
+InstrumentMaker keyboard_of(const JsonObject& parts, const ReadFile& read) {
   const NamedText named = read_named(parts, "keyboard", Shipped::kKeyboards, read);
-  Keyboard played = parse_keyboard(named.text, named.file);
+  const Keyboard played = parse_keyboard(named.text, named.file);
   if (!played.body) refuse(named.file, "keyboard.body", "missing", "one such as that of the piano that ships");
-  std::vector<std::string> events;
-  for (int key = played.first_key; key <= played.last_key; ++key)
-    events.push_back(fmt::format(R"({{"time_s": 0, "key": {}, "hold_s": 0}})", key));
-  const std::string score =
-      fmt::format(R"({{"instrument": "hammer-string", "duration_s": 1, "keyboard": {}, "events": [{}]}})", keyboard,
-                  fmt::join(events, ", "));
   const auto made = std::make_shared<const KeyboardParts>(
-      keyboard_parts(played, std::make_shared<const Score>(parse_score(score, file, read))));
+      keyboard_parts(played, std::make_shared<const Score>(score_of_all_keys(played, named, read))));
   return InstrumentMaker::of([made](auto precision, double) { return Engine<decltype(precision)>::keyboard(made); });
+}
+
+const std::vector<MadeOfParts> kMadeOfParts = {
+    {"hammer_string", {"resonator", "material", "tuning_cents", "hammer_mass_kg", "damper_per_s"}, hammer_string_of},
+    {"mass_barrier", {"material"}, mass_barrier_of},
+    {"piano", {"keyboard"}, keyboard_of}};
+
+}  // namespace
+
+InstrumentMaker maker_of_voice(Voice voice) {
+  return InstrumentMaker::of([voice = std::move(voice)](auto precision, double rate) {
+    auto instrument = instrument_of<decltype(precision)>(voice, rate);
+    for (std::size_t i = 0; i < voice.initial.size(); ++i) instrument->set(i, voice.initial[i]);
+    return instrument;
+  });
+}
+
+std::span<const MadeOfParts> all_made_of_parts() {
+  return kMadeOfParts;
+}
+
+const MadeOfParts* made_of_parts(std::string_view name) {
+  const auto found = std::ranges::find(kMadeOfParts, name, &MadeOfParts::name);
+  return found == kMadeOfParts.end() ? nullptr : &*found;
 }
 
 InstrumentMaker maker_of_text(std::string_view text, const std::string& file, const ReadFile& read) {
@@ -106,7 +130,7 @@ InstrumentMaker maker_of_text(std::string_view text, const std::string& file, co
   Voice voice;
   voice.name = file;
   voice.model = parse_instrument(text, file, read, materials);
-  return maker_of_voice(Model::kFile, std::move(voice));
+  return maker_of_voice(std::move(voice));
 }
 
 std::optional<InstrumentMaker> maker_of_shipped(const std::string& name) {

@@ -5,8 +5,10 @@
 #include <concepts>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "contactspline/host/any_instrument.hpp"
 #include "generator/material/contact_reader.hpp"
@@ -39,16 +41,21 @@ struct InstrumentMaker {
 };
 
 /// A voice of a score, with its first values.
-[[nodiscard]] InstrumentMaker maker_of_voice(Model model, Voice voice);
+[[nodiscard]] InstrumentMaker maker_of_voice(Voice voice);
 
-/// A mass before a rigid barrier, of the material's impact, or of 3 g where it has none. parts: an object whose key
-/// `material` is the name of one that ships, a path or an object. `read` reads what it names. Throws BadInput.
-[[nodiscard]] InstrumentMaker maker_of_mass_barrier(const JsonObject& parts, const ReadFile& read);
+/// An instrument that can be made of other parts than those that ship.
+struct MadeOfParts {
+  std::string_view name;          ///< hammer_string, mass_barrier or piano
+  std::vector<std::string> keys;  ///< of its parts: resonator, material and keyboard are names, paths or objects
 
-/// A keyboard on its body, with all keys; designs their felts, which takes some seconds. keyboard: as JSON, the name
-/// of one that ships, a path or an object. `file` stands in messages; `read` reads what it names. Throws BadInput.
-[[nodiscard]] InstrumentMaker maker_of_keyboard(const std::string& keyboard, const std::string& file,
-                                                const ReadFile& read);
+  /// parts: an object with these keys; `read` reads what it names. Throws BadInput.
+  InstrumentMaker (*make)(const JsonObject& parts, const ReadFile& read);
+};
+
+[[nodiscard]] std::span<const MadeOfParts> all_made_of_parts();
+
+/// The one of that name, or null.
+[[nodiscard]] const MadeOfParts* made_of_parts(std::string_view name);
 
 /// The instrument of the text of a file. `file` stands in messages; `read` reads what the text names. Throws
 /// BadInput.

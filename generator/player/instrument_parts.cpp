@@ -38,7 +38,6 @@ ResonatorParts resonator_parts(const Voice& voice, double sample_rate_hz) {
   for (const NumberedMode& mode : modes) parts.pickup.push_back(pickup_shape(resonator, mode));
   parts.length_m = extent_of(resonator.body);
   parts.strike_m = resonator.strike.position_m;
-  parts.pluck_m = voice.pluck_m;
   parts.strike_shapes = [struck = resonator, modes](double place_m, std::span<double> shapes) mutable {
     struck.strike.position_m = place_m;
     for (std::size_t i = 0; i < shapes.size(); ++i) shapes[i] = strike_shape(struck, modes[i]);
@@ -56,13 +55,6 @@ HammerStringParts hammer_string_parts(const Voice& voice, double sample_rate_hz)
           .hammer_mass_kg = voice.initial[HammerStringParameter::kHammerMass],
           .loss_s_per_m = voice.initial[HammerStringParameter::kLoss],
           .damper = voice.damper,
-          .memories = voice.memories};
-}
-
-PluckedStringParts plucked_string_parts(const Voice& voice, double sample_rate_hz) {
-  return {.resonator = resonator_parts(voice, sample_rate_hz),
-          .contact = voice.contact,
-          .height_m = voice.height_m,
           .memories = voice.memories};
 }
 

@@ -14,7 +14,6 @@ namespace contactspline {
 [[nodiscard]] ResonatorParts resonator_parts(const Voice& voice, double sample_rate_hz);
 
 [[nodiscard]] HammerStringParts hammer_string_parts(const Voice& voice, double sample_rate_hz);
-[[nodiscard]] PluckedStringParts plucked_string_parts(const Voice& voice, double sample_rate_hz);
 /// The arrays of an instrument file. Throws BadInput where a body has no mode below half the sample rate.
 [[nodiscard]] InstrumentArrays instrument_arrays(const InstrumentModel& model, double sample_rate_hz);
 

@@ -13,8 +13,6 @@
 
 #include "contactspline/data/pluck.hpp"
 #include "contactspline/midi/midi_meaning.hpp"
-#include "generator/instrument/instrument_reader.hpp"
-#include "generator/material/named_file.hpp"
 #include "generator/player/drum_names.hpp"
 #include "generator/player/midi_reader.hpp"
 #include "generator/player/score_keys.hpp"
@@ -298,7 +296,7 @@ Score parse_midi_on_instrument(std::string_view bytes, std::string_view file, st
     throw NothingPlayed(fmt::format("{}: MIDI: no note of {} is on {}; allowed: {}, or --channel", file,
                                     is_drum ? "channel 10" : "its channels", model.name, keys_in_words(model)));
   const double duration_s = midi_duration_s(file, voices.end_s);
-  Score score{std::string(file), Model::kFile, {}, duration_s, {}};
+  Score score{std::string(file), {}, duration_s, {}};
   std::vector<std::string> left_out = left_out_parts(song);
   score.silences_s = song.silences_s;
   score.ring_s = kMidiRing_s;
@@ -318,17 +316,10 @@ Score parse_midi_on_instrument(std::string_view bytes, std::string_view file, st
   return score;
 }
 
-Score parse_instrument_score(const JsonObject& score, std::string_view file, const ReadFile& read,
-                             const Tuning& tuning) {
-  const NamedText named = read_named(score, "instrument", Shipped::kInstruments, read);
-  return parse_score_on(score, file, parse_instrument(named.text, named.file, reader_beside(named, read)), tuning);
-}
-
 Score parse_score_on(const JsonObject& score, std::string_view file, const InstrumentModel& model,
                      const Tuning& tuning) {
   if (tuning.is_given() && !model.keys.tune()) refuse_tuning(file);
-  if (score.has("keyboard")) score.fail("keyboard", "has no place here", "in a score for hammer-string");
-  Score result{std::string(file), Model::kFile, read_description(score), score.number("duration_s", kScoreDuration_s),
+  Score result{std::string(file), read_description(score), score.number("duration_s", kScoreDuration_s),
                read_voices(score, model)};
   result.level_db = read_level(score);
   result.oversampling = read_oversampling(score);

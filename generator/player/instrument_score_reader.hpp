@@ -5,19 +5,13 @@
 #include <span>
 #include <string_view>
 
-#include "generator/material/contact_reader.hpp"
 #include "generator/player/score.hpp"
 #include "generator/player/tuning.hpp"
 #include "generator/support/json_reader.hpp"
 
 namespace contactspline {
 
-/// Reads a score whose key `instrument` names an instrument file. `file` stands in messages only; `read` reads the
-/// files that it names. Throws BadInput.
-[[nodiscard]] Score parse_instrument_score(const JsonObject& score, std::string_view file, const ReadFile& read,
-                                           const Tuning& tuning);
-
-/// Reads a score that such an instrument plays.
+/// Reads a score that an instrument of a file plays. `file` stands in messages only. Throws BadInput.
 [[nodiscard]] Score parse_score_on(const JsonObject& score, std::string_view file, const InstrumentModel& model,
                                    const Tuning& tuning);
 

@@ -2,12 +2,9 @@
 // Scores: what an instrument plays.
 #pragma once
 
-#include <array>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "contactspline/data/keyboard_parts.hpp"
@@ -19,34 +16,6 @@
 #include "generator/support/json_reader.hpp"
 
 namespace contactspline {
-
-/// What plays a score; kFile: what an instrument file describes.
-enum class Model { kHammerString, kSlideString, kFretString, kFile };
-
-/// Those whose voices have parts of their own: a resonator and a material.
-inline constexpr std::array kModelsWithParts = {Model::kHammerString, Model::kSlideString, Model::kFretString};
-
-/// What scores and the command line call a model, and what a score may say of it. kFile has its name only: the lists
-/// are empty.
-struct ModelRules {
-  std::string_view name;                  ///< hammer-string, slide-string, fret-string, instrument
-  std::span<const Parameter> parameters;  ///< first value NaN: a voice or a score at time 0 must set it
-  std::span<const Event> events;
-  std::size_t pluck_force;                  ///< the parameter that a pluck moves
-  std::span<const char* const> voice_keys;  ///< beside name, resonator, material, tuning_cents, pan
-};
-
-[[nodiscard]] const ModelRules& rules_of(Model model);
-
-[[nodiscard]] inline std::string_view name_of(Model model) {
-  return rules_of(model).name;
-}
-
-/// The same name as an identifier, such as hammer_string.
-[[nodiscard]] std::string identifier_of(Model model);
-
-/// The model with parts of that identifier, or nothing.
-[[nodiscard]] std::optional<Model> model_with_parts(std::string_view identifier);
 
 /// The pedals of a keyboard on its body: places among KeyboardParameter::kList.
 [[nodiscard]] constexpr bool is_pedal(std::size_t parameter) {
@@ -83,7 +52,7 @@ struct Note {
   std::size_t begins = 0, ends = 0;  ///< numbers of both; in one sample the lower comes first
 };
 
-/// One resonator with its hammer, slide or fret, or one instrument of a file.
+/// A key of a keyboard, which is a hammer on its strings; or one instrument of a file.
 struct Voice {
   std::string name;
   Resonator resonator;
@@ -91,28 +60,25 @@ struct Voice {
   std::vector<Memory> memories = {};          ///< of the contact
   std::vector<double> initial;                ///< values of the controls before the first event
   std::vector<Glide> glides;                  ///< by rising time; none if it has `bends`
-  std::vector<Strike> strikes;                ///< by rising time; hammer-string
+  std::vector<Strike> strikes;                ///< by rising time
   std::vector<Note> notes = {};               ///< by rising time; of an instrument file with keys
-  Damper damper = {};                         ///< hammer-string
-  double pluck_m = 0;                         ///< place of the pluck; slide-string and fret-string
-  double height_m = 0;                        ///< of the slide before the string at the beginning; slide-string
+  Damper damper = {};                         ///< of a key of a keyboard
   double strings = 1;                         ///< number of identical strings that the resonator stands for
   double pan = 0;                             ///< -1 left to 1 right
   std::size_t key = 0;                        ///< among the keys of the score
   double bend_cents = 0;                      ///< beside `bends`
   SharedGlides bends = {};                    ///< of a MIDI channel, which all its voices share; may be null
-  std::optional<InstrumentModel> model = {};  ///< of an instrument file: replaces resonator and contact
+  std::optional<InstrumentModel> model = {};  ///< of an instrument file: in place of a hammer on strings
 };
 
 inline constexpr Range kLevel_db{-200, 0};  ///< of a peak, relative to full scale
 
 struct Score {
-  std::string file;  ///< that it was read from, for messages
-  Model model;
+  std::string file;         ///< that it was read from, for messages
   std::string description;  ///< one line, may be empty
   double duration_s;
-  std::vector<Voice> voices;
-  std::optional<Resonator> body = {};  ///< that all strings end at; struck at its bridge; on a keyboard it moves them
+  std::vector<Voice> voices;                    ///< at least one
+  std::optional<Resonator> body = {};           ///< of a keyboard: its strings end at it, and it moves them
   std::optional<Resonator> knock = {};          ///< that keys strike when they are played
   std::vector<BridgePlace> bridge_places = {};  ///< of the body under a keyboard
   std::vector<ListeningPlace> ears = {};        ///< in the room before it
@@ -127,5 +93,11 @@ struct Score {
   std::string left_out = {};                    ///< what of a MIDI file is not played, in one line; empty: nothing
   std::string left_out_at_rest = {};            ///< the same without the body, as a list
 };
+
+/// The instrument of a file that plays a score; null for a keyboard.
+[[nodiscard]] inline const InstrumentModel* model_of(const Score& score) {
+  const std::optional<InstrumentModel>& model = score.voices.front().model;
+  return model ? &*model : nullptr;
+}
 
 }  // namespace contactspline

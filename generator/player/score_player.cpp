@@ -14,7 +14,6 @@
 
 #include "contactspline/host/engine.hpp"
 #include "contactspline/midi/key_tuning.hpp"
-#include "contactspline/modal/modal.hpp"
 #include "contactspline/step/flush_denormals.hpp"
 #include "contactspline/step/half_band.hpp"
 #include "generator/player/instrument_maker.hpp"
@@ -53,8 +52,7 @@ double largest_of(std::span<const T> samples) {
 class Recorder {
  public:
   Recorder(const Score& score, const PlayOptions& options)
-      : is_on_body_(options.is_on_body),
-        least_(sample_at(score.duration_s, options.sample_rate_hz)),
+      : least_(sample_at(score.duration_s, options.sample_rate_hz)),
         samples_(sample_at(score.duration_s + options.max_ring_s, options.sample_rate_hz)),
         stretch_(std::max<std::size_t>(1, (least_ + kColumns - 1) / kColumns)) {
     performance_ = {options.sample_rate_hz, channels_of(score), {}, {}, 0, 0};
@@ -65,8 +63,8 @@ class Recorder {
   void begin(const Voice& voice) {
     const double angle = (voice.pan + 1) * std::numbers::pi / 4;  // equal power
     strings_ = voice.strings;
-    left_ = is_on_body_ || performance_.channels == 1 ? 1 : std::cos(angle);
-    right_ = is_on_body_ ? 1 : std::sin(angle);
+    left_ = performance_.channels == 1 ? 1 : std::cos(angle);
+    right_ = std::sin(angle);
     end_contact();
   }
 
@@ -124,7 +122,6 @@ class Recorder {
     contact_impulse_ = 0;
   }
 
-  bool is_on_body_;  // all strings drive one bridge
   std::size_t least_, samples_, stretch_, end_ = least_;
   Performance performance_;
   double strings_ = 1, left_ = 1, right_ = 1;
@@ -413,37 +410,10 @@ void play_keyboard(const Score& score, const PlayOptions& options, Recorder& rec
   recorder.count_contacts(keyboard->books().contacts);
 }
 
-/// What a sound is where a force drives a body: its velocity at both ears. The body moves no string.
-template <typename T>
-void drive_body(const Score& score, const PlayOptions& options, Performance& performance) {
-  const BodyArrays body = body_arrays(score, options.sample_rate_hz);
-  ModalBank<T> bank(body.modes, options.sample_rate_hz);
-  const auto shapes = [](const std::vector<double>& values) { return ModeShapes<T>(std::span(values)); };
-  const auto bridge = shapes(body.bridge);
-  const auto left = bank.sound_pickup(shapes(body.left)), right = bank.sound_pickup(shapes(body.right));
-  for (std::size_t n = 0; n < performance.samples.size(); n += 2) {
-    bank.predict();
-    bank.push(bridge, static_cast<T>(performance.samples[n]));
-    bank.commit();
-    performance.samples[n] = static_cast<float>(bank.velocity(left));
-    performance.samples[n + 1] = static_cast<float>(bank.velocity(right));
-    if (!is_bounded(double(performance.samples[n])) || !is_bounded(double(performance.samples[n + 1])))
-      refuse_infinite(score, "body", options, n / 2);
-  }
-}
-
-// Without a bridge there is nothing to hear of it.
-void require_output(const Score& score, const Voice& voice, const PlayOptions& options) {
-  if (score.model == Model::kFile || options.output != outputs_of(score).size() - 1) return;
-  if (!std::holds_alternative<StiffString>(voice.resonator.body))
-    throw BadInput(
-        fmt::format("--signal: bridge: {} has none; allowed: displacement, velocity, force", voice.resonator.name));
-}
-
 template <typename T>
 Performance play_in(const Score& score, PlayOptions options, const Progress& progress) {
   Recorder recorder(score, options);
-  if (options.is_on_body && score.model == Model::kHammerString) {
+  if (options.is_on_body) {
     for (const Voice& voice : score.voices) (void)resonator_parts(voice, options.sample_rate_hz);  // has it modes?
     play_keyboard<T>(score, options, recorder, [&](std::size_t sample) {
       progress(static_cast<double>(sample) / static_cast<double>(recorder.samples()));
@@ -451,19 +421,15 @@ Performance play_in(const Score& score, PlayOptions options, const Progress& pro
     progress(1);
     return recorder.take();
   }
-  if (options.is_on_body) options.output = outputs_of(score).size() - 1;  // the bridge drives the body
   const double total = static_cast<double>(recorder.samples() * score.voices.size());
   for (std::size_t v = 0; v < score.voices.size(); ++v) {
     if (options.only_voice.value_or(v) != v) continue;
-    require_output(score, score.voices[v], options);
-    const auto instrument = maker_of_voice(score.model, score.voices[v]).template make<T>(options.sample_rate_hz);
+    const auto instrument = maker_of_voice(score.voices[v]).template make<T>(options.sample_rate_hz);
     play_voice(*instrument, score, score.voices[v], options, recorder,
                [&](std::size_t sample) { progress(static_cast<double>(v * recorder.samples() + sample) / total); });
   }
   progress(1);
-  Performance performance = recorder.take();
-  if (options.is_on_body) drive_body<T>(score, options, performance);
-  return performance;
+  return recorder.take();
 }
 
 // A performance at so many times the rate, without the delay of the filter.
@@ -492,24 +458,17 @@ int channels_of(const Score& score) {
 }
 
 std::vector<Output> outputs_of(const Score& score) {
+  const InstrumentModel* model = model_of(score);
+  if (model == nullptr) return {StringOutput::kList.begin(), StringOutput::kList.end()};
   std::vector<Output> outputs;
-  if (score.model == Model::kFile) {
-    for (const ModelOutput& output : score.voices.front().model->outputs)
-      outputs.push_back({output.name.c_str(), unit_of(output.name).data(), output.full_scale});
-  } else {
-    const auto& all = StringOutput::kList;
-    outputs.assign(all.begin(), all.end());
-  }
+  for (const ModelOutput& output : model->outputs)
+    outputs.push_back({output.name.c_str(), unit_of(output.name).data(), output.full_scale});
   return outputs;
 }
 
 void choose_best_output(const Score& score, PlayOptions& options) {
-  using Outputs = StringOutput;
   options.is_on_body = score.body.has_value();
-  if (options.is_on_body || score.model == Model::kFile) return;
-  const auto is_string = [](const Voice& voice) { return std::holds_alternative<StiffString>(voice.resonator.body); };
-  const bool has_bridge = score.model == Model::kHammerString && std::ranges::all_of(score.voices, is_string);
-  options.output = has_bridge ? Outputs::kBridge : Outputs::kVelocity;
+  if (!options.is_on_body && model_of(score) == nullptr) options.output = StringOutput::kBridge;
 }
 
 Performance play(const Score& score, const PlayOptions& options, const Progress& progress) {

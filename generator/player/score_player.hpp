@@ -37,11 +37,11 @@ struct Performance {
   double mean_contact_s = 0;  ///< weighted by the impulses; 0 without contacts, and of keyboards
 };
 
-/// The outputs of a score's instrument. A resonator without a bridge lacks the last one.
+/// The outputs of a score's instrument; of a keyboard those of the strings of a key.
 [[nodiscard]] std::vector<Output> outputs_of(const Score& score);
 
-/// The output that sounds best: the body, if there is one, the bridge for other hammers on strings, the velocity of
-/// other resonators, the first output of an instrument file. Sets output and is_on_body.
+/// The output that sounds best: the body of a keyboard, if there is one, else the bridge of its strings; the first
+/// output of an instrument file. Sets output and is_on_body.
 void choose_best_output(const Score& score, PlayOptions& options);
 
 /// 2 if a voice is panned or the score has a body, else 1.
@@ -56,7 +56,7 @@ using Progress = std::function<void(double)>;
 
 /// Plays every voice of a score, or only one: the modes below half the sample rate, each contact with its own
 /// controls. The sound is the sum of the voices. `progress` is called a hundred times or so. Throws BadInput where
-/// a voice has no mode below half the rate, no bridge where its force is the signal, or a sound that is not finite.
+/// a voice has no mode below half the rate, or a sound that is not finite.
 [[nodiscard]] Performance play(const Score& score, const PlayOptions& options, const Progress& progress);
 
 }  // namespace contactspline

@@ -15,121 +15,28 @@
 #include <set>
 #include <utility>
 
-#include "contactspline/data/pluck.hpp"
+#include "generator/instrument/instrument_reader.hpp"
 #include "generator/material/named_file.hpp"
 #include "generator/player/instrument_score_reader.hpp"
 #include "generator/player/midi_reader.hpp"
 #include "generator/player/score_keys.hpp"
 #include "generator/resonator/keyboard_reader.hpp"
-#include "generator/resonator/resonator_reader.hpp"
 #include "generator/spline/design.hpp"
-#include "generator/spline/designed_materials.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
-#include "generator/support/file_kind.hpp"
 #include "generator/support/json_reader.hpp"
-#include "generator/support/nearest_name.hpp"
 
 namespace contactspline {
 namespace {
 
 constexpr double kForEver = std::numeric_limits<double>::infinity();
 
-constexpr Range kMass{1e-6, 100};
-constexpr Range kDecay{0, 1e5};
-constexpr Range kHeight{-0.1, 0.1};
+constexpr auto kKeyControls = std::span(HammerStringParameter::kList).first(HammerStringParameter::kOfKeys);
+constexpr const Parameter& kBlow = HammerStringParameter::kList[HammerStringParameter::kSpeed];
+constexpr Shipped kPlayers[] = {Shipped::kInstruments, Shipped::kKeyboards};
 
 constexpr int kNoBends = -1;            // instead of a channel
 constexpr double kKeyboardWidth = 0.6;  // pan of its ends
-
-bool has_hammer(Model model) {
-  return model == Model::kHammerString;
-}
-
-// The instrument of the runtime that a score names, or kFile.
-Model read_model(const JsonObject& score) {
-  std::vector<std::string_view> names;
-  for (const Model model : kModelsWithParts) names.push_back(name_of(model));
-  const std::string allowed = fmt::format("{}, a .json file, {}", fmt::join(names, ", "),
-                                          fmt::join(shipped_names(Shipped::kInstruments), ", "));
-  const std::string name = score.text("instrument", allowed);
-  if (is_path(name) || find_embedded(Shipped::kInstruments, name + ".json") != nullptr) return Model::kFile;
-  const auto found = std::ranges::find(names, name);
-  if (found == names.end()) {
-    std::vector<std::string> near = shipped_names(Shipped::kInstruments);
-    near.insert(near.end(), names.begin(), names.end());
-    score.fail("instrument", fmt::format("'{}' is unknown", shown(name)), allowed + did_you_mean(near, name));
-  }
-  return kModelsWithParts[static_cast<std::size_t>(found - names.begin())];
-}
-
-// Changes the pitch of a string by `tuning_cents`, -1200 to 1200. No other resonator may have the key.
-void tune(const JsonObject& json, Resonator& resonator) {
-  if (!json.has("tuning_cents")) return;
-  auto* string = std::get_if<StiffString>(&resonator.body);
-  if (string == nullptr) json.fail(json.key("tuning_cents"), "is not for this resonator", "beside strings");
-  for (double& cents : string->detuning_cents) cents += json.number("tuning_cents", kTuningCents);
-}
-
-void complete_hammer(const JsonObject& json, const Material& material, Voice& voice) {
-  using Control = HammerStringParameter;
-  if (!json.has("hammer_mass_kg") && !material.impact)
-    json.fail(json.key("hammer_mass_kg"), "missing, and the material has no impact", "a number");
-  voice.initial[Control::kHammerMass] =
-      json.has("hammer_mass_kg") ? json.number("hammer_mass_kg", kMass) : material.impact->mass_kg;
-  voice.initial[Control::kPlace] = voice.resonator.strike.position_m;
-  voice.damper.damping_per_s = number_or(json, "damper_per_s", kDecay, Damper().damping_per_s);
-}
-
-void complete_plucked(const JsonObject& json, Voice& voice) {
-  const auto* string = std::get_if<StiffString>(&voice.resonator.body);
-  if (string == nullptr || string->detuning_cents.size() != 1)
-    json.fail(json.key("resonator"), "is not a single string", "a resonator of one string");
-  voice.pluck_m = json.number("pluck_m", {0, string->length_m});
-  voice.resonator.pickup.position_m = json.number("pickup_m", {0, string->length_m});
-}
-
-// All but its name.
-Voice read_parts(const JsonObject& json, Model model, const ReadFile& read, DesignedMaterials& materials) {
-  Voice voice;
-  const NamedText resonator = read_named(json, "resonator", Shipped::kResonators, read);
-  voice.resonator = parse_resonator(resonator.text, resonator.file);
-  tune(json, voice.resonator);
-  const auto& [material, table] = materials.of(json);
-  voice.contact = table;
-  voice.memories = material.memories;
-  for (const Parameter& parameter : rules_of(model).parameters)
-    voice.initial.push_back(parameter.name == std::string_view("loss_s_per_m") ? material.loss_s_per_m
-                                                                               : parameter.initial);
-  voice.pan = number_or(json, "pan", kVoicePan, 0);
-  if (has_hammer(model))
-    complete_hammer(json, material, voice);
-  else
-    complete_plucked(json, voice);
-  if (model == Model::kSlideString) voice.height_m = json.number("height_m", kHeight);
-  return voice;
-}
-
-std::vector<std::string> part_keys(Model model) {
-  std::vector<std::string> keys = {"resonator", "material", "tuning_cents"};
-  for (const char* key : rules_of(model).voice_keys) keys.emplace_back(key);
-  return keys;
-}
-
-std::vector<Voice> read_voices(const JsonObject& score, Model model, const ReadFile& read) {
-  std::vector<std::string> keys = part_keys(model);
-  keys.insert(keys.begin(), "name");
-  keys.insert(keys.begin() + 4, "pan");
-  DesignedMaterials materials(read);
-  std::vector<Voice> voices;
-  std::set<std::string> names;
-  for (const JsonObject& json : score.objects("voices", keys, kMaxVoices)) {
-    std::string name = read_voice_name(json, names);
-    voices.push_back(read_parts(json, model, read, materials));
-    voices.back().name = std::move(name);
-  }
-  return voices;
-}
 
 Damper damper_of(const Keyboard& keyboard, int key) {
   return {key <= keyboard.last_damped_key ? keyboard.damper_per_s : 0, keyboard.damper_time_s};
@@ -269,43 +176,24 @@ std::span<Voice> concerned_voices(const JsonObject& event, std::vector<Voice>& v
   return {std::ranges::find(voices, fmt::format("{}", event.integer("key", 0, 127)), &Voice::name), 1};
 }
 
-// A place must lie on the resonator.
+// A place must lie on the string.
 void check_place(const JsonObject& event, const Parameter& control, const Voice& voice, double place_m) {
-  if (control.name != std::string_view("place_m") && control.name != std::string_view("strike_m")) return;
-  const double extent = extent_of(voice.resonator.body);
-  if (extent == 0) event.fail(event.key(control.name), "has no meaning on a table of modes", "no such key");
-  if (place_m > extent)
+  if (const double extent = extent_of(voice.resonator.body); place_m > extent)
     event.fail(event.key(control.name), fmt::format("{} is beyond {}", place_m, voice.resonator.name),
                fmt::format("a number from 0 to {}", extent));
 }
 
-// Only a string has a tension.
-void check_bend(const JsonObject& event, const Parameter& control, const Voice& voice) {
-  if (control.name == std::string_view("bend_cents") && !std::holds_alternative<StiffString>(voice.resonator.body))
-    event.fail(event.key(control.name), fmt::format("{} is no string", voice.resonator.name), "for strings");
-}
-
-// The parameters that events of a score may set: all but those of its notes; of a keyboard's keys, what keys have.
-std::vector<std::size_t> controls_of(Model model, bool has_keys) {
-  const auto& [name, parameters, events, pluck, keys] = rules_of(model);
-  std::vector<std::size_t> controls;
-  for (std::size_t i = 0; i < (has_keys ? HammerStringParameter::kOfKeys : parameters.size()); ++i)
-    if (std::ranges::find(events, i, &Event::parameter) == events.end()) controls.push_back(i);
-  return controls;
-}
-
 // Sets the controls that an event names; false where it names none.
-bool read_glides(const JsonObject& event, Model model, double time, std::span<Voice> voices) {
+bool read_glides(const JsonObject& event, double time, std::span<Voice> voices) {
   const double over = number_or(event, "over_s", kEventTime_s, 0);
   bool any = false;
-  for (const std::size_t i : controls_of(model, event.has("key"))) {
-    const Parameter& parameter = rules_of(model).parameters[i];
+  for (std::size_t i = 0; i < kKeyControls.size(); ++i) {
+    const Parameter& parameter = kKeyControls[i];
     if (!event.has(parameter.name)) continue;
     any = true;
     const double to = event.number(parameter.name, {parameter.allowed.min, parameter.allowed.max});
     for (Voice& voice : voices) {
-      check_place(event, parameter, voice, to);
-      check_bend(event, parameter, voice);
+      if (i == HammerStringParameter::kPlace) check_place(event, parameter, voice, to);
       if (time == 0 && over == 0) voice.initial[i] = to;
       voice.glides.push_back({time, over, i, to});
     }
@@ -327,69 +215,58 @@ bool read_pedals(const JsonObject& event, double time, Score& score) {
   return any;
 }
 
-// What a note of a model is: the speed of a blow, or the force of a pluck.
-const Parameter& note_of(Model model) {
-  return rules_of(model).parameters[rules_of(model).events.front().parameter];
-}
-
-// A throw of the hammer; or a pluck: the force rises, and lets go at once.
-bool read_note(const JsonObject& event, Model model, double time, std::span<Voice> voices) {
-  const ModelRules& rules = rules_of(model);
-  const Parameter& note = note_of(model);
-  const bool presses = event.has("hold_s") && event.has("key");  // without a blow
-  if (event.has("hold_s") && !event.has(note.name) && !presses)
-    event.fail(event.key("hold_s"), "holds nothing",
-               fmt::format("beside {}{}", note.name, has_hammer(model) ? " or key" : ""));
-  if (!event.has(note.name) && !presses) return false;
-  const Range range{note.allowed.min, note.allowed.max};
-  for (Voice& voice : voices) {
-    if (has_hammer(model)) {
-      voice.strikes.push_back(
-          {time, number_or(event, note.name, range, 0), number_or(event, "hold_s", kEventTime_s, kForEver)});
-    } else {
-      voice.glides.push_back({time, kPluckRise_s, rules.pluck_force, event.number(note.name, range)});
-      voice.glides.push_back({time + kPluckRise_s, 0, rules.pluck_force, 0});
-    }
-  }
+// A blow of the hammer, or a key that is pressed without one.
+bool read_note(const JsonObject& event, double time, std::span<Voice> voices) {
+  const bool presses = event.has("hold_s") && event.has("key");
+  if (event.has("hold_s") && !event.has(kBlow.name) && !presses)
+    event.fail(event.key("hold_s"), "holds nothing", fmt::format("beside {} or key", kBlow.name));
+  if (!event.has(kBlow.name) && !presses) return false;
+  for (Voice& voice : voices)
+    voice.strikes.push_back({time, number_or(event, kBlow.name, {kBlow.allowed.min, kBlow.allowed.max}, 0),
+                             number_or(event, "hold_s", kEventTime_s, kForEver)});
   return true;
 }
 
 void read_event(const JsonObject& event, Score& score) {
   const double time = event.number("time_s", {0, score.duration_s});
   const auto concerned = concerned_voices(event, score.voices);
-  const bool glides = read_glides(event, score.model, time, concerned);
+  const bool glides = read_glides(event, time, concerned);
   const bool moves = read_pedals(event, time, score);
-  const bool plays = read_note(event, score.model, time, concerned);
+  const bool plays = read_note(event, time, concerned);
   if (event.has("over_s") && !glides && !moves)
     event.fail(event.key("over_s"), "glides to nothing", "beside a control");
   if (!glides && !moves && !plays)
-    event.fail(event.key("time_s"), "nothing happens",
-               fmt::format("beside {} or a control", note_of(score.model).name));
+    event.fail(event.key("time_s"), "nothing happens", fmt::format("beside {} or a control", kBlow.name));
 }
 
-std::vector<std::string> event_keys(Model model, bool has_keys) {
-  std::vector<std::string> keys = {"time_s", has_keys ? "key" : "voice", note_of(model).name};
-  if (has_hammer(model)) keys.emplace_back("hold_s");
-  keys.emplace_back("over_s");
-  for (const std::size_t i : controls_of(model, has_keys)) keys.emplace_back(rules_of(model).parameters[i].name);
-  for (std::size_t i = 0; has_keys && i < KeyboardParameter::kParameters; ++i)
+std::vector<std::string> event_keys(const Keyboard& keyboard) {
+  std::vector<std::string> keys = {"time_s", "key", kBlow.name, "hold_s", "over_s"};
+  for (const Parameter& control : kKeyControls) keys.emplace_back(control.name);
+  for (std::size_t i = 0; keyboard.body && i < KeyboardParameter::kParameters; ++i)
     if (is_pedal(i)) keys.emplace_back(KeyboardParameter::kList[i].name);
   return keys;
 }
 
-void require_initial(const JsonObject& score, Model model, const std::vector<Voice>& voices) {
-  const auto parameters = rules_of(model).parameters;
-  for (const Voice& voice : voices)
-    for (std::size_t i = 0; i < parameters.size(); ++i)
-      if (std::isnan(voice.initial[i]))
-        score.fail("events", fmt::format("{} of {} is not set", parameters[i].name, shown(voice.name)),
-                   "an event at time_s 0 that sets it at once");
+// What scores named before all that they name was an instrument, and what plays them now.
+void refuse_old(const JsonObject& score) {
+  constexpr std::pair<std::string_view, std::string_view> kOld[] = {
+      {"hammer-string", "piano"}, {"slide-string", "lap_steel"}, {"fret-string", "fret_guitar"}};
+  const auto text = [&](const char* key) { return score.has_text(key) ? score.text(key, "") : ""; };
+  const std::string name = text("instrument"), keyboard = text("keyboard");
+  for (const auto& [old, now] : kOld)
+    if (name == old)
+      score.fail("instrument", fmt::format("'{}' is no instrument", old),
+                 fmt::format("the name or the file of an instrument or a keyboard, such as \"{}\"{}",
+                             keyboard.empty() ? now : shown(keyboard),
+                             score.has("keyboard") ? ", in place of instrument and keyboard" : ""));
 }
 
 JsonObject parse_score_object(std::string_view text, std::string_view file) {
+  if (const auto keys = json_keys(text, file, "score"); !keys.empty())
+    refuse_old(parse_json(text, file, "score", keys));
   return parse_json(text, file, "score",
-                    {"instrument", "description", "duration_s", "level_db", "oversample", "keyboard", "body",
-                     "tuning", "keymap", "a4_hz", "voices", "events"});
+                    {"instrument", "description", "duration_s", "level_db", "oversample", "tuning", "keymap", "a4_hz",
+                     "voices", "events"});
 }
 
 // Voices that the same key plays have strings of their own.
@@ -425,79 +302,69 @@ double duration_of(const MidiSong& song, const Keyboard& keyboard, std::string_v
   return midi_duration_s(file, end_of_pedals(song.pedals, end));
 }
 
-}  // namespace
-
-NamedText shipped_piano() {
-  const EmbeddedFile& piano = *find_embedded(Shipped::kKeyboards, "piano.json");
-  return {std::string(piano.content), std::string(piano.name), true};
-}
-
-ScoreHeading score_heading(std::string_view text, std::string_view file) {
-  const JsonObject score = parse_score_object(text, file);
-  return {read_model(score), read_description(score), score.number("duration_s", kScoreDuration_s)};
-}
-
-ScoreHeading midi_score_heading(std::string_view bytes, std::string_view file) {
-  const NamedText piano = shipped_piano();
-  const Keyboard keyboard = parse_keyboard(piano.text, piano.file);
-  const MidiSong song = parse_midi(bytes, file, {}, settings_of(keyboard, {}));
-  return {Model::kHammerString, song.title, duration_of(song, keyboard, file)};
-}
-
-Voice read_voice_parts(const JsonObject& object, const char* key, Model model, const ReadFile& read) {
-  DesignedMaterials materials(read);
-  Voice voice = read_parts(object.object(key, part_keys(model)), model, read, materials);
-  voice.name = name_of(model);
-  return voice;
-}
-
-Score parse_score(std::string_view text, std::string_view file, const ReadFile& read, const InstrumentModel* played,
-                  const Tuning& given) {
-  const JsonObject score = parse_score_object(text, file);
-  const Tuning tuning = given.is_given() ? given : read_tuning(score, read);
-  const Model model = played != nullptr ? Model::kFile : read_model(score);
-  if (score.has("body") && model != Model::kSlideString && model != Model::kFretString)
-    score.fail("body", "has no place here", "in a score for slide-string or fret-string");
-  if (played != nullptr) {
-    if (const std::string name = score.text("instrument", played->name); name != played->name)
-      score.fail("instrument", fmt::format("'{}' is not what --instrument names", shown(name)), played->name);
-    return parse_score_on(score, file, *played, tuning);
-  }
-  if (model == Model::kFile) return parse_instrument_score(score, file, read, tuning);
-  Score result{std::string(file), model, read_description(score), score.number("duration_s", kScoreDuration_s), {}};
+Score parse_keyboard_score(const JsonObject& score, std::string_view file, const NamedText& named,
+                           const ReadFile& read, const Tuning& tuning) {
+  const Keyboard keyboard = parse_keyboard(named.text, named.file);
+  if (score.has("voices")) score.fail("voices", "has no place here", "no such key: the keys are the voices");
+  const auto events = score.objects("events", event_keys(keyboard), kMaxEvents);
+  Score result{std::string(file), read_description(score), score.number("duration_s", kScoreDuration_s),
+               read_keys(score, keyboard, events, tuning)};
   result.level_db = read_level(score);
   result.oversampling = read_oversampling(score);
-  const bool has_keys = score.has("keyboard");
-  if (has_keys && (score.has("voices") || !has_hammer(result.model)))
-    score.fail("keyboard", "has no place here", "in a score for hammer-string, instead of voices");
-  if (tuning.is_given() && !has_keys) refuse_tuning(file);
-  const auto events = score.objects("events", event_keys(result.model, has_keys), kMaxEvents);
-  if (has_keys) {
-    const NamedText named = read_named(score, "keyboard", Shipped::kKeyboards, read);
-    const Keyboard keyboard = parse_keyboard(named.text, named.file);
-    result.voices = read_keys(score, keyboard, events, tuning);
-    add_body(keyboard, named, read, result);
-    give_strings(result.voices, result.keys);
-  } else {
-    result.voices = read_voices(score, result.model, read);
-  }
-  if (score.has("body")) {
-    const NamedText named = read_named(score, "body", Shipped::kResonators, read);
-    result.body = parse_resonator(named.text, named.file);
-  }
+  add_body(keyboard, named, read, result);
+  give_strings(result.voices, result.keys);
   for (const JsonObject& event : events) read_event(event, result);
-  require_initial(score, result.model, result.voices);
   sort_by_time(result.voices);
   std::ranges::stable_sort(result.pedals, {}, &Glide::time_s);
   if (!result.pedals.empty()) result.left_out_at_rest = "pedals";
   return result;
 }
 
+}  // namespace
+
+NamedText shipped_piano() {
+  const EmbeddedFile& piano = *find_embedded(Shipped::kKeyboards, "piano.json");
+  return {std::string(piano.content), std::string(piano.name), true, false, Shipped::kKeyboards};
+}
+
+Score score_of_all_keys(const Keyboard& keyboard, const NamedText& named, const ReadFile& read) {
+  Score score{named.file, keyboard.description, 1, {}};
+  for (int key = keyboard.first_key; key <= keyboard.last_key; ++key) score.voices.push_back(voice_of(keyboard, key));
+  add_body(keyboard, named, read, score);
+  return score;
+}
+
+ScoreHeading score_heading(std::string_view text, std::string_view file) {
+  const JsonObject score = parse_score_object(text, file);
+  return {score.text("instrument", "a name"), read_description(score), score.number("duration_s", kScoreDuration_s)};
+}
+
+ScoreHeading midi_score_heading(std::string_view bytes, std::string_view file) {
+  const NamedText piano = shipped_piano();
+  const Keyboard keyboard = parse_keyboard(piano.text, piano.file);
+  const MidiSong song = parse_midi(bytes, file, {}, settings_of(keyboard, {}));
+  return {keyboard.name, song.title, duration_of(song, keyboard, file)};
+}
+
+Score parse_score(std::string_view text, std::string_view file, const ReadFile& read, const InstrumentModel* played,
+                  const Tuning& given) {
+  const JsonObject score = parse_score_object(text, file);
+  const Tuning tuning = given.is_given() ? given : read_tuning(score, read);
+  if (played != nullptr) {
+    if (const std::string name = score.text("instrument", played->name); name != played->name)
+      score.fail("instrument", fmt::format("'{}' is not what --instrument names", shown(name)), played->name);
+    return parse_score_on(score, file, *played, tuning);
+  }
+  const NamedText named = read_named(score, "instrument", kPlayers, read);
+  if (named.kind == Shipped::kKeyboards) return parse_keyboard_score(score, file, named, read, tuning);
+  return parse_score_on(score, file, parse_instrument(named.text, named.file, reader_beside(named, read)), tuning);
+}
+
 Score parse_midi_score(std::string_view bytes, std::string_view file, std::span<const int> channels,
                        const NamedText& played, const ReadFile& read, const Tuning& tuning) {
   const Keyboard keyboard = parse_keyboard(played.text, played.file);
   const MidiSong song = parse_midi(bytes, file, channels, settings_of(keyboard, tuning));
-  Score score{std::string(file), Model::kHammerString, {}, duration_of(song, keyboard, file), {}};
+  Score score{std::string(file), {}, duration_of(song, keyboard, file), {}};
   std::map<int, SharedGlides> bends;  // of the channels that have some
   for (const MidiBend& bend : song.bends)
     if (!bends.contains(bend.channel)) bends.emplace(bend.channel, bends_of(song.bends, bend.channel));

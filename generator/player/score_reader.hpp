@@ -19,13 +19,13 @@ namespace contactspline {
 [[nodiscard]] Score parse_score(std::string_view text, std::string_view file, const ReadFile& read,
                                 const InstrumentModel* played = nullptr, const Tuning& given = {});
 
-/// What a model is made of: the object under a key, with the keys of a voice but `name` and `pan`. First values that
-/// neither it nor the model states are NaN. Throws BadInput.
-[[nodiscard]] Voice read_voice_parts(const JsonObject& object, const char* key, Model model, const ReadFile& read);
+/// A voice for each key of a keyboard, and its body, without events; designs all felts, which takes some seconds.
+/// named: its file; `read` reads what it names. Throws BadInput.
+[[nodiscard]] Score score_of_all_keys(const Keyboard& keyboard, const NamedText& named, const ReadFile& read);
 
 /// What a score says of itself, for a list.
 struct ScoreHeading {
-  Model model;
+  std::string instrument;   ///< its name, or its file
   std::string description;  ///< one line, may be empty
   double duration_s;
 };

@@ -16,7 +16,7 @@ namespace {
 constexpr std::array kKinds = {Shipped::kMaterials, Shipped::kFrictions,   Shipped::kResonators,
                                Shipped::kKeyboards, Shipped::kInstruments, Shipped::kScores};
 
-// Keys that only files of this kind have. A score may also have the key "keyboard", so scores come first.
+// Keys that only files of this kind have. A score of 0.1.0 also has the key "keyboard", so scores come first.
 constexpr const char* kOfMaterials[] = {"contact", "impact", "spline"};
 constexpr const char* kOfFrictions[] = {"bristles", "heat", "coefficient"};
 constexpr const char* kOfResonators[] = {"string", "bar",    "membrane", "plate",    "round_plate",

@@ -12,7 +12,7 @@ namespace {
 
 using Instrument = contactspline::WiredInstrument<float>;
 
-// slide_string: ContactSlideString.
+// lap_steel: ContactLapSteel.
 std::string class_name(const std::string& name) {
   std::string result = "Contact";
   bool is_first = true;

@@ -246,9 +246,8 @@ TEST_P(BadInstrumentScore, IsRefusedInOneLineAndNothingIsWritten) {
   write_file(box / "probe.json", kGood);
   write_file(box / "score.json", text);
   const auto before = box.listing();
-  expect_refused(
-      run({.arguments = {"render", "instrument", "--score", "score.json", "-o", "a.wav"}, .folder = box.path()}),
-      "score.json: " + key, says);
+  expect_refused(run({.arguments = {"render", "--score", "score.json", "-o", "a.wav"}, .folder = box.path()}),
+                 "score.json: " + key, says);
   EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
 }
 
@@ -260,9 +259,9 @@ TEST(GoodInstrumentScore, IsPlayedFromAnyFolderWithEachOutput) {
   write_file(box / "music/probe.json", kGood);
   write_file(box / "music/score.json", kScore);
   const auto render = [&](const Words& options) {
-    return run({.arguments = followed_by(
-                    {"render", "instrument", "--score", "music/score.json", "-o", "a.wav", "--no-figure"}, options),
-                .folder = box.path()});
+    return run(
+        {.arguments = followed_by({"render", "--score", "music/score.json", "-o", "a.wav", "--no-figure"}, options),
+         .folder = box.path()});
   };
   for (const auto& [output, unit] : {std::pair("string_end_force_n", "N (string end force)"),
                                      {"spot_displacement_m", "m (spot displacement)"},
@@ -281,9 +280,6 @@ TEST(GoodInstrumentScore, IsPlayedFromAnyFolderWithEachOutput) {
   expect_refused(render({"--signal", "velocity"}), "--signal: 'velocity' is no output",
                  "allowed: string_end_force_n, spot_displacement_m, foot_velocity_m_per_s, felt_force_n, "
                  "corner_velocity_m_per_s, ear_pressure_pa");
-  expect_refused(run({.arguments = {"render", "hammer-string", "--score", "music/score.json", "-o", "a.wav"},
-                      .folder = box.path()}),
-                 "music/score.json: instrument: the score is for an instrument file", "allowed: render instrument");
 }
 
 // What names a missing file is told: the file, as its own reader names it, and the key.

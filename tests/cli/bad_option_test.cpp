@@ -29,12 +29,6 @@ constexpr auto kSoft = R"({
   "spline": { "knots": "uniform", "segments": 8, "max_compression_m": 1 }
 })";
 
-std::string score_of(const std::string& resonator, const std::string& material) {
-  return R"({ "instrument": "hammer-string", "duration_s": 0.05, "voices": [ { "name": "a", "resonator": ")" +
-         resonator + R"(", "material": ")" + material +
-         R"(" } ], "events": [ { "time_s": 0, "speed_m_per_s": 2 } ] })";
-}
-
 std::vector<BadLine> long_cases() {
   return {{"output_long",
            {"generate", "probe.json", "-o", std::string(300, 'o')},
@@ -52,10 +46,11 @@ TEST_P(BadCommandLine, IsRefusedInOneLineAndNothingIsWritten) {
   write_file(box / "probe.svg", kProbeMaterial);
   write_file(box / "probe.aif", kProbeMaterial);
   write_file(box / "bare.json", kWithoutImpact);
-  const std::string mixed = score_of("felt_c4", "string_c4"), mixed_files = score_of("string_c4", "my_string.json");
+  const std::string mixed = hammer_score("felt_c4", "string_c4"),
+                    mixed_files = hammer_score("string_c4", "my_string.json");
   for (const auto& [name, text] :
        {std::pair{"my_string.json", std::string(find_embedded(Shipped::kResonators, "string_c4.json")->content)},
-        std::pair{"my_score.json", score_of("string_c4", "felt_c4")},
+        std::pair{"my_score.json", hammer_score("string_c4", "felt_c4")},
         std::pair{"my.mid", std::string(find_embedded(Shipped::kScores, "bach_prelude.mid")->content)},
         std::pair{"my_output.json", read_file(fs::path(SOURCE_FOLDER) / "generated/mb1.json")},
         std::pair{"mixed.json", mixed}, std::pair{"mixed_files.json", mixed_files}})

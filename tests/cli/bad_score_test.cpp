@@ -15,65 +15,30 @@
 namespace contactspline::testing {
 namespace {
 
-const std::string kHammer = R"({
-  "instrument": "hammer-string",
+const std::string kBlow = R"({
+  "instrument": "piano",
   "description": "a probe",
   "duration_s": 0.05,
-  "voices": [
-    { "name": "a", "resonator": "string_c4", "material": "felt_c4", "tuning_cents": 3, "hammer_mass_kg": 0.003,
-      "damper_per_s": 40, "pan": 0.1 }
-  ],
   "events": [
-    { "time_s": 0.01, "voice": "a", "speed_m_per_s": 2.5, "hold_s": 0.02, "over_s": 0.015, "stiffness_ratio": 1.5,
-      "loss_s_per_m": 0.3, "damping_per_s": 4, "strike_m": 0.08, "bend_cents": 5 }
+    { "time_s": 0.01, "key": 60, "speed_m_per_s": 2.5, "hold_s": 0.02, "over_s": 0.015, "hammer_mass_kg": 0.003,
+      "stiffness_ratio": 1.5, "loss_s_per_m": 0.3, "damping_per_s": 4, "strike_m": 0.08, "bend_cents": 5 }
   ]
 })";
 const std::string kKeys = R"({
-  "instrument": "hammer-string",
+  "instrument": "piano",
   "duration_s": 0.05,
-  "keyboard": "piano",
   "events": [ { "time_s": 0.01, "key": 60, "speed_m_per_s": 2.5 },
               { "time_s": 0, "over_s": 0.02, "sustain": 0.75, "sostenuto": 1, "una_corda": 0.4 } ]
 })";
-const std::string kSlide = R"({
-  "instrument": "slide-string",
-  "duration_s": 0.05,
-  "voices": [
-    { "name": "a", "resonator": "guitar_d3", "material": "steel_on_steel", "pluck_m": 0.5, "pickup_m": 0.61,
-      "height_m": 0.001 }
-  ],
-  "events": [
-    { "time_s": 0, "place_m": 0.3, "slide_mass_kg": 0.05, "hand_force_n": 2, "hand_stiffness_n_per_m": 300,
-      "hand_resistance_n_s_per_m": 3, "rest_resistance_n_s_per_m": 1.5, "pluck_force_n": 0.7, "vibrato_m": 0.002,
-      "vibrato_hz": 5.5 },
-    { "time_s": 0.01, "pluck_n": 4 }
-  ]
-})";
-const std::string kFret = R"({
-  "instrument": "fret-string",
-  "duration_s": 0.05,
-  "voices": [
-    { "name": "a", "resonator": "guitar_d3", "material": "steel_on_steel", "pluck_m": 0.5, "pickup_m": 0.61 }
-  ],
-  "events": [ { "time_s": 0, "place_m": 0.3, "gap_m": 0.0005, "damping_per_s": 0.25, "pluck_n": 4 } ]
-})";
-
-const Bases kBases = {{"hammer", kHammer}, {"keys", kKeys}, {"slide", kSlide}, {"fret", kFret}};
+const Bases kBases = {{"blow", kBlow}, {"keys", kKeys}};
 
 std::vector<BadFile> long_cases() {
-  return {{"truncated", kHammer.substr(0, kHammer.size() / 2), "line ", "; allowed: "},
+  return {{"truncated", kBlow.substr(0, kBlow.size() / 2), "line ", "; allowed: "},
           {"large", kKeys + std::string(1 << 20, ' '), "file", "is larger than 1 MiB"}};
 }
 
-// The instrument that a text names, where it names one that there is.
-std::string instrument_in(const std::string& text) {
-  for (const std::string name : {"slide-string", "fret-string"})
-    if (text.find("\"instrument\": \"" + name) != std::string::npos) return name;
-  return "hammer-string";
-}
-
-Outcome render(const Sandbox& box, const std::string& instrument, const std::string& score) {
-  return run({.arguments = {"render", instrument, "--score", score, "-o", "sound.wav"}, .folder = box.path()});
+Outcome render(const Sandbox& box, const std::string& score) {
+  return run({.arguments = {"render", score, "-o", "sound.wav"}, .folder = box.path()});
 }
 
 class BadScoreFile : public ::testing::TestWithParam<BadFile> {};
@@ -83,8 +48,7 @@ TEST_P(BadScoreFile, IsRefusedInOneLineAndNothingIsWritten) {
   const Sandbox box;
   write_file(box / "probe.json", text);
   const auto before = box.listing();
-  expect_refused(render(box, test == "instrument_is_another" ? "hammer-string" : instrument_in(text), "probe.json"),
-                 "probe.json: " + key, says);
+  expect_refused(render(box, "probe.json"), "probe.json: " + key, says);
   EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
 }
 
@@ -94,19 +58,19 @@ CONTACTSPLINE_CASES(Long, BadScoreFile, long_cases());
 
 // What the tables above are made of is good itself.
 TEST(GoodScoreFile, IsAccepted) {
-  for (const std::string& text : {kHammer, kKeys, kSlide, kFret}) {
+  for (const std::string& text : {kBlow, kKeys}) {
     const Sandbox box;
     write_file(box / "probe.json", text);
-    EXPECT_EQ(render(box, instrument_in(text), "probe.json").exit_code, 0) << text;
+    EXPECT_EQ(render(box, "probe.json").exit_code, 0) << text;
     EXPECT_TRUE(fs::exists(box / "sound.wav"));
   }
 }
 
 TEST(BadScore, IsNoNameThatShips) {
   const Sandbox box;
-  expect_refused(render(box, "hammer-string", "waltz"), "waltz: SCORE: no such score ships",
+  expect_refused(render(box, "waltz"), "waltz: SCORE: no such score ships",
                  "allowed: a .json or .mid file, bach_prelude, buzz_line, cello_prelude");
-  expect_refused(render(box, "hammer-string", "dulcimer_jog"), "dulcimer_jog: SCORE: no such score ships",
+  expect_refused(render(box, "dulcimer_jog"), "dulcimer_jog: SCORE: no such score ships",
                  "allowed: a .json or .mid file, dulcimer_jig, bach_prelude");
 }
 
@@ -114,8 +78,7 @@ TEST(BadScore, MayBeTooFineForMemory) {
   const Sandbox box;
   write_file(box / "probe.json", changed(kKeys, "0.05", "3600"));
   expect_refused(
-      run({.arguments = {"render", "hammer-string", "--score", "probe.json", "--rate", "48000", "-o", "a.wav"},
-           .folder = box.path()}),
+      run({.arguments = {"render", "--score", "probe.json", "--rate", "48000", "-o", "a.wav"}, .folder = box.path()}),
       "probe.json: duration_s: 3600 s at 48000 Hz", "allowed: at most 3308 s at this rate");
 }
 
@@ -123,31 +86,25 @@ TEST(BadScore, MayLeaveNoSound) {
   const Sandbox box;
   write_file(box / "probe.json", changed(kKeys, "60", "108"));
   expect_refused(
-      run({.arguments = {"render", "hammer-string", "--score", "probe.json", "--rate", "8000", "-o", "a.wav"},
-           .folder = box.path()}),
+      run({.arguments = {"render", "--score", "probe.json", "--rate", "8000", "-o", "a.wav"}, .folder = box.path()}),
       "--rate: no mode of voice 108 (piano) lies below 4000 Hz", "allowed: a higher rate");
-  write_file(box / "drum.json",
-             changed(changed(changed(kHammer, "string_c4", "drum_head"), R"("tuning_cents": 3, )", ""),
-                     R"(, "bend_cents": 5)", ""));
-  expect_refused(
-      run({.arguments = {"render", "hammer-string", "--score", "drum.json", "--signal", "bridge", "-o", "a.wav"},
-           .folder = box.path()}),
-      "--signal: bridge: drum_head has none", "allowed: displacement, velocity, force");
 }
 
 // It is written, with one line: nothing is thrown, or the pickup stands at the end of the string.
 TEST(SilentScore, IsPlayedWithAWarning) {
   const Sandbox box;
-  write_file(box / "still.json", R"({ "instrument": "hammer-string", "duration_s": 0.1, "keyboard": "piano",
+  write_file(box / "still.json", R"({ "instrument": "piano", "duration_s": 0.1,
     "events": [ { "time_s": 0, "key": 60, "damping_per_s": 1 } ] })");
-  write_file(box / "node.json", R"({ "instrument": "fret-string", "duration_s": 0.1,
-    "voices": [ { "name": "a", "resonator": "guitar_d3", "material": "steel_on_steel", "pluck_m": 0.1, "pickup_m": 0 } ],
-    "events": [ { "time_s": 0, "place_m": 0.3, "gap_m": 0.0001 }, { "time_s": 0.01, "pluck_n": 2 } ] })");
-  for (const auto& [instrument, file, why] :
-       {std::tuple{"hammer-string", "still.json", "nothing is struck or plucked so that it sounds"},
-        std::tuple{"fret-string", "node.json", "the contact or the pickup is where no mode moves"}}) {
-    const Outcome outcome = run(
-        {.arguments = {"render", instrument, "--score", file, "--no-figure", "-o", "a.wav"}, .folder = box.path()});
+  write_file(box / "node.json", R"({ "instrument": { "name": "probe",
+      "bodies": [ { "name": "string", "resonator": "guitar_d3" }, { "name": "hammer", "mass_kg": 0.003 } ],
+      "places": [ { "name": "struck", "body": "string", "position_m": 0.1 },
+                  { "name": "end", "body": "string", "position_m": 0 } ],
+      "contacts": [ { "name": "felt", "between": ["hammer", "struck"], "material": "felt_c4", "gap_m": 1e-4 } ],
+      "strikes": ["hammer"], "outputs": [ { "name": "end", "velocity_m_per_s": "end" } ] },
+    "duration_s": 0.1, "events": [ { "time_s": 0, "hammer_speed_m_per_s": 2 } ] })");
+  for (const auto& [file, why] : {std::pair{"still.json", "nothing is struck or plucked so that it sounds"},
+                                  {"node.json", "the contact or the pickup is where no mode moves"}}) {
+    const Outcome outcome = run({.arguments = {"render", file, "--no-figure", "-o", "a.wav"}, .folder = box.path()});
     EXPECT_EQ(outcome.exit_code, 0);
     EXPECT_EQ(outcome.err, std::string("contactspline: ") + file + ": the sound is silent: " + why + "\n");
   }
@@ -156,10 +113,9 @@ TEST(SilentScore, IsPlayedWithAWarning) {
 TEST(BadScore, IsAFileTheOutputWouldReplace) {
   const Sandbox box;
   write_file(box / "probe.svg", kKeys);
-  expect_refused(
-      run({.arguments = {"render", "hammer-string", "--score", "./probe.svg", "-o", "a.wav", "--figure", "probe.svg"},
-           .folder = box.path()}),
-      "probe.svg: file: is already an input or another output", "allowed: another folder or file name");
+  expect_refused(run({.arguments = {"render", "--score", "./probe.svg", "-o", "a.wav", "--figure", "probe.svg"},
+                      .folder = box.path()}),
+                 "probe.svg: file: is already an input or another output", "allowed: another folder or file name");
 }
 
 // A MIDI file of one track.
@@ -186,7 +142,7 @@ TEST_P(BadMidiFile, IsRefusedInOneLineAndNothingIsWritten) {
   const Sandbox box;
   write_file(box / "probe.mid", GetParam().bytes);
   const auto before = box.listing();
-  expect_refused(render(box, "hammer-string", "probe.mid"), "probe.mid: ", GetParam().says);
+  expect_refused(render(box, "probe.mid"), "probe.mid: ", GetParam().says);
   EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
 }
 
@@ -228,8 +184,8 @@ TEST(BadMidiChannel, IsRefused) {
   write_file(box / "probe.mid", midi(kNote + kEnd));
   write_file(box / "probe.json", kKeys);
   const auto play = [&](const std::string& score, const std::string& channel) {
-    return run({.arguments = {"render", "hammer-string", "--score", score, "--channel", channel, "-o", "a.wav"},
-                .folder = box.path()});
+    return run(
+        {.arguments = {"render", "--score", score, "--channel", channel, "-o", "a.wav"}, .folder = box.path()});
   };
   const auto before = box.listing();
   expect_refused(play("probe.mid", "0"), "--channel: '0' is refused", "allowed: an integer from 1 to 16");
@@ -248,14 +204,12 @@ TEST(GoodMidiFile, IsPlayedWithoutWhatIsBeyondThePiano) {
   const Sandbox box;
   write_file(box / "clean.mid", midi(far + kNote + kEnd));
   write_file(box / "probe.mid", midi(low + low + far + kNote + kEnd));
-  const Outcome outcome =
-      run({.arguments = {"render", "hammer-string", "--score", "probe.mid", "-o", "a.wav"}, .folder = box.path()});
+  const Outcome outcome = run({.arguments = {"render", "--score", "probe.mid", "-o", "a.wav"}, .folder = box.path()});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_EQ(outcome.err,
             "contactspline: probe.mid: MIDI: left out: notes beyond the keys 21 to 108 (4); played as 48 semitones: "
             "bends by more than that (1)\n");
-  const Outcome clean =
-      run({.arguments = {"render", "hammer-string", "--score", "clean.mid", "-o", "b.wav"}, .folder = box.path()});
+  const Outcome clean = run({.arguments = {"render", "--score", "clean.mid", "-o", "b.wav"}, .folder = box.path()});
   EXPECT_EQ(clean.err, "contactspline: clean.mid: MIDI: played as 48 semitones: bends by more than that (1)\n");
   EXPECT_TRUE(read_file(box / "a.wav") == read_file(box / "b.wav"));
 }
@@ -272,7 +226,7 @@ TEST(GoodMidiFile, IsAccepted) {
   for (const auto& [file, line] : files) {
     const Sandbox box;
     write_file(box / "probe.mid", file);
-    const Outcome outcome = render(box, "hammer-string", "probe.mid");
+    const Outcome outcome = render(box, "probe.mid");
     EXPECT_EQ(outcome.exit_code, 0);
     EXPECT_EQ(outcome.err, line);
   }

@@ -45,12 +45,11 @@ TEST(Characters, OfADescriptionAreAtMost200) {
 TEST(Characters, OfTheNameOfAVoiceAreAtMost64) {
   const Sandbox box;
   const auto rendered = [&](const std::string& name) {
-    write_file(box / "score.json", fmt::format(R"({{"instrument": "hammer-string", "duration_s": 0.01,
-      "voices": [{{"name": "{}", "resonator": "string_c4", "material": "felt_c4"}}],
-      "events": [{{"time_s": 0, "speed_m_per_s": 1}}]}})",
+    write_file(box / "score.json", fmt::format(R"({{"instrument": "trichord_c4", "duration_s": 0.01,
+      "voices": [{{"name": "{}"}}], "events": [{{"time_s": 0, "hammer_speed_m_per_s": 1}}]}})",
                                                name));
-    return run({.arguments = {"render", "hammer-string", "--score", "score.json", "-o", "a.wav", "--no-figure"},
-                .folder = box.path()});
+    return run(
+        {.arguments = {"render", "--score", "score.json", "-o", "a.wav", "--no-figure"}, .folder = box.path()});
   };
   for (const std::string& letter : kLetters) {
     EXPECT_EQ(rendered(repeated(letter, 64)).exit_code, 0) << letter;

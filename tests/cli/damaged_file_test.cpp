@@ -69,13 +69,11 @@ TEST(DamagedKeyboard, GivesOutputOrOneReadableLine) {
 
 TEST(DamagedScore, PlaysOrGivesOneReadableLine) {
   const Path& path = path_of("score");
-  damage_files(
-      shipped_texts(Shipped::kScores), path.file,
-      "\"instrument\" \"hammer-string\" \"slide-string\" \"duration_s\":1, \"keyboard\":\"piano\", \"voices\" "
-      "\"events\" \"time_s\":1, \"over_s\":1, \"hold_s\":1, \"sustain\":1, \"key\":60, \"voice\":\"g3\", "
-      "\"place_m\":0.1, "
-      "\"tuning_cents\":5, \"pan\":1, \"speed_m_per_s\":2, \"pluck_n\":2,",
-      4'000, path.play, 40);  // most damage to a large file is fatal
+  damage_files(shipped_texts(Shipped::kScores), path.file,
+               "\"instrument\" \"piano\" \"lap_steel\" \"duration_s\":1, \"voices\" "
+               "\"events\" \"time_s\":1, \"over_s\":1, \"hold_s\":1, \"sustain\":1, \"key\":60, \"voice\":\"g3\", "
+               "\"bar_place_m\":0.1, \"tuning_cents\":5, \"pan\":1, \"speed_m_per_s\":2, \"pick_release_n\":2,",
+               4'000, path.play, 40);  // most damage to a large file is fatal
 }
 
 // The instruments that ship, with a material that is designed at once.

@@ -15,9 +15,7 @@ constexpr auto kCurve = R"({"name": "probe", "contact": {"curve": {"file": "../f
   "spline": {"knots": "uniform", "segments": 8}})";
 constexpr auto kInstrument = R"({"name": "probe", "bodies": [{"name": "bar", "resonator": "../foreign"}],
   "places": [{"name": "end", "body": "bar", "position_m": 0}], "outputs": [{"name": "end", "velocity_m_per_s": "end"}]})";
-constexpr auto kScore = R"({"instrument": "hammer-string", "duration_s": 1,
-  "voices": [{"name": "a", "resonator": "string_c4", "material": "../foreign"}],
-  "events": [{"time_s": 0, "speed_m_per_s": 1}]})";
+const std::string kScore = hammer_score("string_c4", "../foreign");
 constexpr auto kPlayed = R"({"instrument": "../foreign", "duration_s": 1, "events": [{"time_s": 0}]})";
 
 TEST(ForeignFile, IsNotShown) {
@@ -28,12 +26,11 @@ TEST(ForeignFile, IsNotShown) {
                                     "compression_secret,force_secret\n1,2\n", "compression_mm,secret\n1,2\n"}) {
     SCOPED_TRACE(foreign);
     write_file(box / "foreign", foreign);
-    for (const auto& [text, command] :
-         {std::pair{kCurve, Words{"inspect", "mine/file.json"}},
-          {kInstrument, {"inspect", "mine/file.json"}},
-          {kScore, {"render", "hammer-string", "--score", "mine/file.json", "-o", "a.wav"}},
-          {kPlayed, {"render", "instrument", "--score", "mine/file.json", "-o", "a.wav"}},
-          {"", {"inspect", "mine/../foreign"}}}) {
+    for (const auto& [text, command] : {std::pair<std::string, Words>{kCurve, Words{"inspect", "mine/file.json"}},
+                                        {kInstrument, {"inspect", "mine/file.json"}},
+                                        {kScore, {"render", "--score", "mine/file.json", "-o", "a.wav"}},
+                                        {kPlayed, {"render", "--score", "mine/file.json", "-o", "a.wav"}},
+                                        {"", {"inspect", "mine/../foreign"}}}) {
       write_file(box / "mine/file.json", text);
       const Outcome outcome = run({.arguments = command, .folder = box.path()});
       expect_refused(outcome, "", "foreign");

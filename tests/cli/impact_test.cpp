@@ -119,15 +119,10 @@ TEST(Impact, SaysWhereAContactIsTooShortForTheRate) {
   EXPECT_TRUE(written.ends_with("\nsteel_on_steel: a contact at 2 m/s " + line)) << written;
   const Words render = {"render", "mass-barrier", "--material", "steel_on_steel", "--duration", "0.1"};
   EXPECT_TRUE(printed(box, render).find("\na contact " + line) != std::string::npos);
-  const auto score = [](const std::string& key) {
-    return R"({"instrument": "hammer-string", "duration_s": 0.1, )" + key + R"(
-    "voices": [ { "name": "d", "resonator": "guitar_d3", "material": "steel_on_steel", "hammer_mass_kg": 5e-5 } ],
-    "events": [ { "voice": "d", "time_s": 0, "speed_m_per_s": 2 } ] })";
-  };
-  write_file(box / "score.json", score(""));
-  write_file(box / "fine.json", score(R"("oversample": 8,)"));
+  write_file(box / "score.json", hammer_score("guitar_d3", "steel_on_steel", 0.1, 5e-5));
+  write_file(box / "fine.json", hammer_score("guitar_d3", "steel_on_steel", 0.1, 5e-5, R"("oversample": 8, )"));
   const auto rendered = printed(box, {"render", "--score", "score.json", "-o", "score.wav"});
-  EXPECT_TRUE(rendered.find("\na contact, on average, lasts 45.4 us, 2 samples at 44.1 kHz, too few") !=
+  EXPECT_TRUE(rendered.find("\na contact, on average, lasts 45.9 us, 2 samples at 44.1 kHz, too few") !=
               std::string::npos)
       << rendered;
   EXPECT_EQ(printed(box, {"render", "--score", "fine.json", "-o", "fine.wav"}).find("too few"), std::string::npos);

@@ -22,10 +22,10 @@ TEST(LongName, IsRefusedAtOnce) {
   const Sandbox box;
   const std::string name(300, 'a'), sound = name + ".wav", figure = name + ".svg", within = name + "/a.wav";
   const std::vector<LongName> cases = {
-      {"--output", {"render", "hammer-string", "--score", "fur_elise", "-o", sound}},
-      {"--output", {"render", "hammer-string", "--score", "fur_elise", "-o", within}},
-      {"--figure", {"render", "hammer-string", "--score", "fur_elise", "-o", "a.wav", "--figure", figure}},
-      {"--stems", {"render", "hammer-string", "--score", "fur_elise", "-o", "a.wav", "--stems", name}},
+      {"--output", {"render", "--score", "fur_elise", "-o", sound}},
+      {"--output", {"render", "--score", "fur_elise", "-o", within}},
+      {"--figure", {"render", "--score", "fur_elise", "-o", "a.wav", "--figure", figure}},
+      {"--stems", {"render", "--score", "fur_elise", "-o", "a.wav", "--stems", name}},
       {"--output", {"generate", "piano", "-o", name}},
       {"--depfile", {"generate", "piano", "-o", ".", "--depfile", name}},
       {"--figure", {"inspect", "felt_c4", "--compare", "--figure", figure}},

@@ -42,7 +42,7 @@ void PrintTo(const Writing& writing, std::ostream* stream) {
 
 std::vector<Writing> all_writings() {
   const Words bounce = {"render", "mass-barrier", "--duration", "0.02", "-o", "a.wav"};
-  const Words stroke = {"render", "hammer-string", "--score", "stroke.json", "-o", "a.wav"};
+  const Words stroke = {"render", "--score", "stroke.json", "-o", "a.wav"};
   std::vector<Writing> writings = {{"figure_of_a_material",
                                     {"inspect", "felt_c4", "--figure", "a.svg"},
                                     {"inspect", "mb1", "--figure", "a.svg"},

@@ -37,7 +37,7 @@ std::string without_longitudinal() {
 }
 
 Sound sound_of_blow(const std::string& keyboard) {
-  return sound_alone("hammer-string", R"({ "instrument": "hammer-string", "duration_s": 2, "keyboard": "bass.json",
+  return sound_alone(R"({ "instrument": "bass.json", "duration_s": 2,
     "events": [ { "time_s": 0.01, "key": 28, "speed_m_per_s": 5, "hold_s": 1.9 } ] })",
                      {{"bass.json", keyboard}});
 }
@@ -91,9 +91,9 @@ TEST(PhantomPartials, AreThoseOfTheEmittedKeyboard) {
   bass.strike(static_cast<std::size_t>(kKey - keyboards::phantom_bass::first_key), 5);
   bass.process(std::span(left).subspan(begin), std::span(right).subspan(begin));
   for (std::size_t n = 0; n < samples; ++n) expected.insert(expected.end(), {left[n], right[n]});
-  const std::string text = R"({ "instrument": "hammer-string", "duration_s": 0.3, "keyboard": "bass.json",
+  const std::string text = R"({ "instrument": "bass.json", "duration_s": 0.3,
     "events": [ { "time_s": 0.01, "key": 28, "speed_m_per_s": 5, "hold_s": 0.5 } ] })";
-  expect_is(sound_alone("hammer-string", text, {{"bass.json", example()}}), expected);
+  expect_is(sound_alone(text, {{"bass.json", example()}}), expected);
 }
 
 /// The emitted keyboard with the motion up to E1 only, and without it.

@@ -77,6 +77,18 @@ std::string CapturedStream::text() const {
   return text;
 }
 
+std::string hammer_score(const std::string& resonator, const std::string& material, double duration_s, double mass_kg,
+                         const std::string& more) {
+  return fmt::format(R"({{ "instrument": {{ "name": "probe",
+      "bodies": [ {{ "name": "string", "resonator": "{}" }}, {{ "name": "hammer", "mass_kg": {} }} ],
+      "places": [ {{ "name": "struck", "body": "string", "position_m": 0.0744 }} ],
+      "contacts": [ {{ "name": "felt", "between": ["hammer", "struck"], "material": "{}", "gap_m": 1e-4 }} ],
+      "strikes": ["hammer"],
+      "outputs": [ {{ "name": "string", "end_force_n": "string" }}, {{ "name": "felt", "force_n": "felt" }} ] }},
+    "duration_s": {}, {}"events": [ {{ "time_s": 0.01, "hammer_speed_m_per_s": 2.5 }} ] }})",
+                     resonator, mass_kg, material, duration_s, more);
+}
+
 Words followed_by(Words words, const Words& more) {
   words.insert(words.end(), more.begin(), more.end());
   return words;

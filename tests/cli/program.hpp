@@ -21,9 +21,12 @@ constexpr auto kProgram = CONTACTSPLINE_PROGRAM;
 
 /// A short score of one blow.
 constexpr auto kStroke = R"({
-  "instrument": "hammer-string", "duration_s": 0.05,
-  "voices": [ { "name": "c4", "resonator": "string_c4", "material": "felt_c4" } ],
-  "events": [ { "time_s": 0, "speed_m_per_s": 2 } ] })";
+  "instrument": "trichord_c4", "duration_s": 0.05, "events": [ { "time_s": 0, "hammer_speed_m_per_s": 2 } ] })";
+
+/// A score of one blow, of a hammer of a material on a resonator: names or files. Its outputs are the force on the
+/// end of a string and that of the felt. more: keys of the score.
+std::string hammer_score(const std::string& resonator, const std::string& material, double duration_s = 0.05,
+                         double mass_kg = 0.003, const std::string& more = "");
 
 using Words = std::vector<std::string>;
 

@@ -32,22 +32,20 @@ inline constexpr double kRate = 44100;
 /// File names and contents, beside the score.
 using Files = std::map<std::string, std::string>;
 
-inline Sound sound_of(const std::string& instrument, const std::string& score, const Words& options = {}) {
+inline Sound sound_of(const std::string& score, const Words& options = {}) {
   const Sandbox box;
   write_file(box / "probe.json", score);
-  succeed({.arguments = followed_by({"render", instrument, "--score", "probe.json", "-o", "a.wav"}, options),
-           .folder = box.path()});
+  succeed({.arguments = followed_by({"render", "probe.json", "-o", "a.wav"}, options), .folder = box.path()});
   expect_drawn(box / "a.svg", 3);
   return read_sound(box / "a.wav");
 }
 
 /// The same without a figure, which takes longer than a short sound.
-inline Sound sound_alone(const std::string& instrument, const std::string& score, const Files& beside,
-                         const Words& options = {}) {
+inline Sound sound_alone(const std::string& score, const Files& beside, const Words& options = {}) {
   const Sandbox box;
   write_file(box / "probe.json", score);
   for (const auto& [name, text] : beside) write_file(box / name, text);
-  const Words words = {"render", instrument, "--score", "probe.json", "-o", "a.wav", "--no-figure"};
+  const Words words = {"render", "probe.json", "-o", "a.wav", "--no-figure"};
   succeed({.arguments = followed_by(words, options), .folder = box.path()});
   return read_sound(box / "a.wav");
 }
@@ -112,13 +110,13 @@ inline double glide(double from, double to, int n, int begin, int end) {
   return from + (to - from) * part * part * (3 - 2 * part);
 }
 
-inline const std::string kHammerScore = R"({
-  "instrument": "hammer-string", "duration_s": 0.4,
-  "voices": [ { "name": "c4", "resonator": "string_c4", "material": "felt_c4", "damper_per_s": 30 } ],
+/// Two throws at once held, a damper between, a third throw elsewhere with another hammer, a damping that glides in.
+inline const std::string kKeyScore = R"({
+  "instrument": "piano", "duration_s": 0.4,
   "events": [
-    { "time_s": 0.3, "speed_m_per_s": 1.5, "strike_m": 0.2, "stiffness_ratio": 4, "hammer_mass_kg": 0.004, "loss_s_per_m": 0.2 },
-    { "time_s": 0.01, "speed_m_per_s": 2.5, "hold_s": 0.15 },
-    { "time_s": 0.1, "speed_m_per_s": 3.5, "hold_s": 0.1 },
+    { "time_s": 0.3, "key": 60, "speed_m_per_s": 1.5, "strike_m": 0.2, "stiffness_ratio": 4, "hammer_mass_kg": 0.002, "loss_s_per_m": 0.2 },
+    { "time_s": 0.01, "key": 60, "speed_m_per_s": 2.5, "hold_s": 0.15 },
+    { "time_s": 0.1, "key": 60, "speed_m_per_s": 3.5, "hold_s": 0.1 },
     { "time_s": 0.31, "over_s": 0.05, "damping_per_s": 20 }
   ]
 })";
@@ -151,8 +149,7 @@ inline std::string midi_file(const std::string& events) {
 inline Sound sound_of_midi(const std::string& events, const Words& options = {}) {
   const Sandbox box;
   write_file(box / "probe.mid", midi_file(events));
-  const Words words = {"render", "hammer-string", "--score", "probe.mid", "-o",
-                       "a.wav",  "--no-figure",   "--tail",  "1"};
+  const Words words = {"render", "--score", "probe.mid", "-o", "a.wav", "--no-figure", "--tail", "1"};
   succeed({.arguments = followed_by(words, options), .folder = box.path()});
   return read_sound(box / "a.wav");
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// contactspline render hammer-string, slide-string, fret-string: the sound is the motion of the models under the
+// contactspline render: the sound of a key, without the body, is the motion of its hammer and its strings under the
 // score.
 #include "render_score.hpp"
 
@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
-#include "contactspline/models/fret_string.hpp"
 #include "contactspline/models/hammer_string.hpp"
-#include "contactspline/models/slide_string.hpp"
+#include "generator/resonator/keyboard.hpp"
+#include "generator/resonator/keyboard_reader.hpp"
 #include "program.hpp"
 #include "sandbox.hpp"
 #include "sound.hpp"
@@ -48,24 +48,49 @@ class SinkingDamper {
   int sample_ = 0;
 };
 
-// Two throws at once held, a damper between, a third throw elsewhere with another hammer, a damping that glides in.
-std::vector<double> hammer_motion(Parts& parts, double (*output)(const HammerString<double>&, const Parts&)) {
-  HammerString<double> model(parts.table, parts.modes, parts.at(parts.resonator.strike.position_m), kRate);
-  SinkingDamper damper(30);
+/// C4 of the piano as its file has it, and the shapes of its modes.
+struct KeyC4 {
+  const Keyboard keyboard = parse_keyboard(shipped(embedded_files(Shipped::kKeyboards), "piano"), "piano");
+  const KeyboardNote note = note_of(keyboard, 60);
+  const Resonator resonator{"c4", "", note.string, {note.strike_position_m}, {note.strike_position_m}, kMaxModes};
+  const std::vector<NumberedMode> modes = numbered_modes_of(resonator, kRate / 2).modes;
+
+  template <typename Shape>
+  [[nodiscard]] ModeShapes<double> shapes(const Shape& shape) const {
+    ModeShapes<double> of(modes.size());
+    for (std::size_t i = 0; i < modes.size(); ++i) of[i] = shape(modes[i]);
+    return of;
+  }
+  [[nodiscard]] ModeShapes<double> struck_at(double place_m) const {
+    Resonator at = resonator;
+    at.strike.position_m = place_m;
+    return shapes([&](const NumberedMode& mode) { return strike_shape(at, mode); });
+  }
+};
+
+// output: of the sounding model.
+template <typename Output>
+std::vector<double> key_motion(const KeyC4& key, Output output) {
+  Material material = key.note.felt;
+  const auto felt = segment_table(design_spline(material, "felt"));
+  HammerString<double> model(felt, bare(key.modes), key.struck_at(key.note.strike_position_m), kRate);
+  SinkingDamper damper(key.keyboard.damper_per_s);
   std::vector<double> motion;
   for (int n = 0; n < 17640; ++n) {
     if (n == 441) model.strike(2.5, 1e-4);
     if (n == 4410) model.strike(3.5, 1e-4);
     if (n == 13230) {
-      model.strike_at(parts.at(0.2));
+      model.strike_at(key.struck_at(0.2));
       model.strike(1.5, 1e-4);
     }
     const bool is_damped = n >= 8820 && n < 13230;
-    HammerStringControls<double> controls{.hammer_mass_kg = 0.00297, .damping_per_s = is_damped ? damper.next() : 0};
-    if (n >= 13230) controls = {.hammer_mass_kg = 0.004, .felt = {4, 0.2}, .damping_per_s = 0};
+    HammerStringControls<double> controls{.hammer_mass_kg = key.note.hammer_mass_kg,
+                                          .felt = {1, key.keyboard.felt_loss_s_per_m},
+                                          .damping_per_s = is_damped ? damper.next() : 0};
+    if (n >= 13230) controls = {.hammer_mass_kg = 0.002, .felt = {4, 0.2}, .damping_per_s = 0};
     controls.damping_per_s += glide(0, 20, n, 13671, 13671 + 2205);
     model.tick(controls);
-    motion.push_back(output(model, parts));
+    motion.push_back(output(model.string(), model));
   }
   return motion;
 }
@@ -94,112 +119,26 @@ TEST(RenderScore, TakesAwayWhatIsBelowTheHighPass) {
   }
 }
 
-TEST(RenderScore, PlaysTheHammerString) {
-  Parts parts("string_c4", "felt_c4");
-  const auto bridge = [](const HammerString<double>& model, const Parts& p) {
-    ModeShapes<double> shapes(p.modes.size());
-    for (std::size_t i = 0; i < p.modes.size(); ++i)
-      shapes[i] = bridge_shape(std::get<StiffString>(p.resonator.body), StringMode{p.modes[i], p.wavenumbers[i]});
-    return model.string().displacement(model.string().sound_pickup(shapes));
+// Each channel has its part of equal power.
+TEST(RenderScore, PlaysAKey) {
+  const KeyC4 key;
+  const auto pickup = key.shapes([&](const NumberedMode& mode) { return pickup_shape(key.resonator, mode); });
+  const auto bridge =
+      key.shapes([&](const NumberedMode& mode) { return key.note.strings * bridge_shape(key.note.string, mode); });
+  const auto expect = [&](const Words& signal, const auto& output) {
+    const double angle = (0.6 * ((60 - 21) / 43.5 - 1) + 1) * pi / 4;
+    std::vector<double> both;
+    for (const double sample : key_motion(key, output))
+      both.insert(both.end(), {std::cos(angle) * sample, std::sin(angle) * sample});
+    expect_is(sound_of(kKeyScore, followed_by({"--signal"}, signal)), both,
+              3 * kLevel);  // panned in single precision
   };
-  const auto velocity = [](const HammerString<double>& model, const Parts& p) {
-    return model.string().velocity(model.string().sound_pickup(p.at(0.248)));
-  };
-  const auto displacement = [](const HammerString<double>& model, const Parts& p) {
-    return model.string().displacement(model.string().sound_pickup(p.at(0.248)));
-  };
-  const auto force = [](const HammerString<double>& model, const Parts&) { return model.force(); };
-  expect_is(sound_of("hammer-string", kHammerScore), hammer_motion(parts, bridge));
-  expect_is(sound_of("hammer-string", kHammerScore, {"--signal", "velocity"}), hammer_motion(parts, velocity));
-  expect_is(sound_of("hammer-string", kHammerScore, {"--signal", "displacement"}),
-            hammer_motion(parts, displacement));
-  expect_is(sound_of("hammer-string", kHammerScore, {"--signal", "force"}), hammer_motion(parts, force));
-}
-
-// A slide-string or a fret-string placed before its first sample; controls(n): of a sample. Velocity at the pickup.
-template <typename Model, typename Controls>
-std::vector<double> velocity_of(Model& model, const ModeShapes<double>& shapes, int samples, Controls controls) {
-  const auto pickup = model.string().sound_pickup(shapes);
-  std::vector<double> motion;
-  for (int n = 0; n < samples; ++n) {
-    model.tick(controls(n));
-    motion.push_back(model.string().velocity(pickup));
-  }
-  return motion;
-}
-
-TEST(RenderScore, PlaysTheSlideString) {
-  Parts parts("guitar_g3", "steel_on_steel");
-  SlideString<double> model(parts.table, parts.modes, StringShapes<double>(parts.wavenumbers), 0.5, kRate);
-  model.place(0.2, 1e-3);
-  const auto controls = [](int n) {
-    // 0.05 s: a pluck of 4 ms; from 0.1 s on the slide glides, from 0.2 s on it trembles.
-    const double pluck = n < 2205 + 176 ? glide(0, 4, n, 2205, 2205 + 176) : 0.0;
-    const double vibrato_m = 0.002 * std::sin(2 * pi * 6 * (n - 8820 + 1) / kRate);
-    return SlideStringControls<double>{.place_m = glide(0.2, 0.3, n, 4410, 8820) + (n >= 8820 ? vibrato_m : 0.0),
-                                       .slide_mass_kg = 0.04,
-                                       .hand_force_n = 2,
-                                       .hand_stiffness_n_per_m = 200,
-                                       .hand_resistance_n_s_per_m = 2,
-                                       .rest_resistance_n_s_per_m = 1,
-                                       .pluck_force_n = pluck,
-                                       .contact = {0.5, 0.1}};
-  };
-  const auto motion = velocity_of(model, parts.at(0.6), 13230, controls);
-  // rattling contacts amplify what vibrato's phase, summed up sample by sample, is rounded by
-  expect_is(sound_of("slide-string", R"({
-    "instrument": "slide-string", "duration_s": 0.3,
-    "voices": [ { "name": "g", "resonator": "guitar_g3", "material": "steel_on_steel", "pluck_m": 0.5, "pickup_m": 0.6, "height_m": 0.001 } ],
-    "events": [
-      { "time_s": 0, "place_m": 0.2, "slide_mass_kg": 0.04, "hand_force_n": 2, "hand_stiffness_n_per_m": 200,
-        "hand_resistance_n_s_per_m": 2, "rest_resistance_n_s_per_m": 1, "stiffness_ratio": 0.5, "loss_s_per_m": 0.1 },
-      { "time_s": 0.05, "pluck_n": 4 },
-      { "time_s": 0.1, "over_s": 0.1, "place_m": 0.3 },
-      { "time_s": 0.2, "vibrato_m": 0.002, "vibrato_hz": 6 }
-    ] })"),
-            motion, 1e-5);
-}
-
-// A stiffness that jumps by twelve orders of magnitude in every sample does at most 1 W of work on a pressed slide:
-// no force is far beyond those of the hand and of the pluck.
-TEST(RenderScore, StaysCalmWhileAStiffnessJumps) {
-  std::string events = R"({ "time_s": 0, "place_m": 0.2, "slide_mass_kg": 0.04, "hand_force_n": 2,
-    "hand_stiffness_n_per_m": 200, "hand_resistance_n_s_per_m": 2, "rest_resistance_n_s_per_m": 1,
-    "stiffness_ratio": 0.5, "loss_s_per_m": 0.1 }, { "time_s": 0.02, "pluck_n": 4 })";
-  for (int n = 0; n < 4000; ++n)
-    events += fmt::format(R"(, {{ "time_s": {}, "stiffness_ratio": {} }})", 0.01 + n / 44100.0, n % 2 ? 1e6 : 1e-6);
-  const Sandbox box;
-  write_file(box / "jumps.json", R"({ "instrument": "slide-string", "duration_s": 0.2, "voices": [ { "name": "g",
-    "resonator": "guitar_g3", "material": "steel_on_steel", "pluck_m": 0.5, "pickup_m": 0.6, "height_m": 0.001 } ], "events": [ )" +
-                                     events + " ] }");
-  const std::string report =
-      succeed({.arguments = {"render", "slide-string", "--score", "jumps.json", "--no-figure", "-o", "jumps.wav"},
-               .folder = box.path()});
-  const std::string before = "largest contact force ";
-  ASSERT_NE(report.find(before), std::string::npos) << report;
-  EXPECT_LT(std::stod(report.substr(report.find(before) + before.size())), 1000) << report;
-}
-
-TEST(RenderScore, PlaysTheFretString) {
-  Parts parts("guitar_d3", "steel_on_steel");
-  FretString<double> model(parts.table, parts.modes, StringShapes<double>(parts.wavenumbers), 0.3, kRate);
-  model.place(0.6, 1e-3);
-  const auto motion = velocity_of(model, parts.at(0.05), 8820, [](int n) {
-    return FretStringControls<double>{.place_m = 0.6,
-                                      .gap_m = glide(1e-3, 1e-4, n, 4410, 6615),
-                                      .pluck_force_n = n < 2205 + 176 ? glide(0, 3, n, 2205, 2205 + 176) : 0.0,
-                                      .damping_per_s = 3,
-                                      .contact = {2, 0.3}};
-  });
-  expect_is(sound_of("fret-string", R"({
-    "instrument": "fret-string", "duration_s": 0.2,
-    "voices": [ { "name": "d", "resonator": "guitar_d3", "material": "steel_on_steel", "pluck_m": 0.3, "pickup_m": 0.05 } ],
-    "events": [
-      { "time_s": 0, "place_m": 0.6, "gap_m": 0.001, "stiffness_ratio": 2, "loss_s_per_m": 0.3, "damping_per_s": 3 },
-      { "time_s": 0.05, "pluck_n": 3 },
-      { "time_s": 0.1, "over_s": 0.05, "gap_m": 0.0001 }
-    ] })"),
-            motion);
+  expect({"bridge"},
+         [&](const auto& string, const auto&) { return string.displacement(string.sound_pickup(bridge)); });
+  expect({"velocity"}, [&](const auto& string, const auto&) { return string.velocity(string.sound_pickup(pickup)); });
+  expect({"displacement"},
+         [&](const auto& string, const auto&) { return string.displacement(string.sound_pickup(pickup)); });
+  expect({"force"}, [](const auto&, const auto& model) { return model.force(); });
 }
 
 TEST(RenderScore, FindsFilesBesideTheScore) {
@@ -207,20 +146,16 @@ TEST(RenderScore, FindsFilesBesideTheScore) {
   fs::create_directories(box / "music");
   write_file(box / "music/string.json", shipped(embedded_files(Shipped::kResonators), "string_c4"));
   write_file(box / "music/felt.json", shipped(embedded_files(Shipped::kMaterials), "felt_c4"));
-  std::string score = kHammerScore;
-  score.replace(score.find("\"string_c4\""), 11, "\"string.json\"");
-  score.replace(score.find("\"felt_c4\""), 9, "\"./felt.json\"");
-  write_file(box / "music/probe.json", score);
-  succeed(
-      {.arguments = {"render", "hammer-string", "--score", "music/probe.json", "-o", "a.wav"}, .folder = box.path()});
-  EXPECT_EQ(read_sound(box / "a.wav").samples, sound_of("hammer-string", kHammerScore).samples);
+  write_file(box / "music/probe.json", hammer_score("string.json", "./felt.json"));
+  succeed({.arguments = {"render", "music/probe.json", "-o", "a.wav"}, .folder = box.path()});
+  EXPECT_EQ(read_sound(box / "a.wav").samples, sound_of(hammer_score("string_c4", "felt_c4")).samples);
 }
 
 TEST(RenderScore, HasTheRateAskedFor) {
   for (const int rate : {8000, 48000, 192000}) {
-    const Sound sound = sound_of("hammer-string", kHammerScore, {"--rate", fmt::format("{}", rate)});
+    const Sound sound = sound_of(kStroke, {"--rate", fmt::format("{}", rate)});
     EXPECT_EQ(sound.rate, rate);
-    EXPECT_EQ(sound.samples.size(), static_cast<std::size_t>(0.4 * rate));
+    EXPECT_EQ(sound.samples.size(), static_cast<std::size_t>(0.05 * rate));
   }
 }
 

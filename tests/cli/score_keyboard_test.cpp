@@ -94,17 +94,17 @@ TEST(ScoreKeyboard, PlaysTheKeyboardInstrument) {
                                    0.3);
   const auto keyboard = parse_keyboard(shipped(embedded_files(Shipped::kKeyboards), "piano"), "piano");
   const std::string text = fmt::format(
-      R"({{ "instrument": "hammer-string", "duration_s": 0.3, "keyboard": "piano", "events": [
+      R"({{ "instrument": "piano", "duration_s": 0.3, "events": [
     {{ "time_s": 0.1, "key": 40, "damping_per_s": 30 }}, {{ "time_s": 0.02, "key": 40, "speed_m_per_s": 2 }},
     {{ "time_s": 0.02, "key": 88, "speed_m_per_s": 3, "hold_s": 0.08, "strike_m": 0.004, "hammer_mass_kg": {},
       "stiffness_ratio": 0.5, "loss_s_per_m": 0.2 }},
     {{ "time_s": 0.01, "una_corda": 0.5 }}, {{ "time_s": 0.02, "key": 33, "hold_s": 0.18 }},
     {{ "time_s": 0.2, "sostenuto": 1 }} ] }})",
       2 * note_of(keyboard, 88).hammer_mass_kg);
-  const Sound sound = sound_of("hammer-string", text);
+  const Sound sound = sound_of(text);
   EXPECT_EQ(sound.channels, 2);
   expect_is(sound, score);
-  expect_is(sound_of("hammer-string", text, {"--precision", "single"}), score, 1e-3);
+  expect_is(sound_of(text, {"--precision", "single"}), score, 1e-3);
 }
 
 // Keys that end along two bridges of a ribbed board: a score with the file of the example is what the emitted struct
@@ -121,13 +121,13 @@ TEST(ScoreKeyboard, PlaysAlongTwoBridges) {
   const fs::path folder = fs::path(SOURCE_FOLDER) / "examples/keyboards";
   const Files files = {{"two_bridges.json", read_file(folder / "two_bridges.json")},
                        {"ribbed_board.json", read_file(folder / "ribbed_board.json")}};
-  const std::string text = R"({ "instrument": "hammer-string", "duration_s": 0.3, "keyboard": "two_bridges.json",
+  const std::string text = R"({ "instrument": "two_bridges.json", "duration_s": 0.3,
     "events": [ { "time_s": 0.01, "sustain": 1 }, { "time_s": 0.2, "sustain": 0 },
       { "time_s": 0.02, "key": 28, "speed_m_per_s": 3, "hold_s": 0.08 },
       { "time_s": 0.02, "key": 45, "speed_m_per_s": 2, "hold_s": 0.08 },
       { "time_s": 0.02, "key": 70, "speed_m_per_s": 2.5, "hold_s": 0.08 },
       { "time_s": 0.02, "key": 100, "speed_m_per_s": 3, "hold_s": 0.08 } ] })";
-  expect_is(sound_alone("hammer-string", text, files), expected);
+  expect_is(sound_alone(text, files), expected);
 }
 
 // Energy of the left channel from one time to another.
@@ -166,13 +166,11 @@ TEST(ScoreKeyboard, PlaysUnaCorda) {
 // pedal lets C4 decay in between.
 TEST(ScoreKeyboard, RingsInSympathyAndByHalfPedal) {
   const auto energy = [](const std::string& first_event) {
-    return energy_of(
-        sound_alone("hammer-string",
-                    R"({ "instrument": "hammer-string", "duration_s": 1.1, "keyboard": "piano", "events": [
+    return energy_of(sound_alone(R"({ "instrument": "piano", "duration_s": 1.1, "events": [
       { "time_s": 0.01, "key": 60, "speed_m_per_s": 3, "hold_s": 0.1 }, )" +
-                        first_event + damped_treble(keyboards::piano::last_damped_key + 1, 108) + " ] }",
-                    {}, {"--gain", "20"}),
-        0.6, 1);
+                                     first_event + damped_treble(keyboards::piano::last_damped_key + 1, 108) + " ] }",
+                                 {}, {"--gain", "20"}),
+                     0.6, 1);
   };
   const double damped = energy(R"({ "time_s": 0, "key": 48, "damping_per_s": 0 })"),
                sympathetic = energy(R"({ "time_s": 0, "key": 48, "hold_s": 1 })"),
@@ -192,7 +190,7 @@ TEST(ScoreKeyboard, SaysWhichPedalsAreLeftOut) {
   write_file(box / "soft.mid", midi_file(std::string("\0\xb0\x43\x7f", 4) + note));
   write_file(box / "half.mid", midi_file(std::string("\0\xb0\x40\x20", 4) + note));
   write_file(box / "held.mid", midi_file(std::string("\0\xb0\x40\x7f", 4) + note));
-  write_file(box / "score.json", R"({ "instrument": "hammer-string", "duration_s": 0.1, "keyboard": "piano",
+  write_file(box / "score.json", R"({ "instrument": "piano", "duration_s": 0.1,
     "events": [ { "time_s": 0, "sustain": 1 }, { "time_s": 0, "key": 60, "speed_m_per_s": 1 } ] })");
   const std::string why = ": left out, because only the keys on their body have them: ";
   for (const auto& [file, says] : {std::pair{"soft.mid", "half pedal, sostenuto and soft pedal"},
@@ -200,9 +198,9 @@ TEST(ScoreKeyboard, SaysWhichPedalsAreLeftOut) {
                                    {"held.mid", ""},
                                    {"score.json", "pedals"}})
     for (const std::string signal : {"body", "bridge"}) {
-      const auto outcome = run({.arguments = {"render", "hammer-string", "--score", file, "--signal", signal,
-                                              "--no-figure", "-o", "a.wav"},
-                                .folder = box.path()});
+      const auto outcome =
+          run({.arguments = {"render", "--score", file, "--signal", signal, "--no-figure", "-o", "a.wav"},
+               .folder = box.path()});
       EXPECT_EQ(outcome.exit_code, 0);
       EXPECT_EQ(outcome.err, signal == "body" || *says == 0 ? "" : "contactspline: " + (file + why) + says + "\n");
     }
@@ -216,21 +214,19 @@ TEST(ScoreKeyboard, RefusesABodyThatCannotSound) {
   write_file(box / "piano.json", keyboard);
   write_file(box / "board.json", R"({ "name": "board", "modes": [
     { "frequency_hz": 30000, "decay_per_s": 5, "mass_kg": 1, "strike_shape": 1, "pickup_shape": 1 } ] })");
-  write_file(box / "probe.json", R"({ "instrument": "hammer-string", "duration_s": 0.1, "keyboard": "piano.json",
+  write_file(box / "probe.json", R"({ "instrument": "piano.json", "duration_s": 0.1,
     "events": [ { "time_s": 0.01, "key": 60, "speed_m_per_s": 3 } ] })");
   const auto before = box.listing();
-  expect_refused(
-      run({.arguments = {"render", "hammer-string", "--score", "probe.json", "-o", "a.wav"}, .folder = box.path()}),
-      "--rate: no mode of board lies below 22050 Hz", "allowed: a higher rate");
+  expect_refused(run({.arguments = {"render", "--score", "probe.json", "-o", "a.wav"}, .folder = box.path()}),
+                 "--rate: no mode of board lies below 22050 Hz", "allowed: a higher rate");
   EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
   for (const auto& [name, wrong] :
        {std::pair{"felt_c4", "'felt_c4' is a material"}, {"bord", "'bord' does not ship"}}) {
     std::string other = keyboard;
     other.replace(other.find("board.json"), 10, name);
     write_file(box / "piano.json", other);
-    expect_refused(
-        run({.arguments = {"render", "hammer-string", "--score", "probe.json", "-o", "a.wav"}, .folder = box.path()}),
-        std::string("piano.json: keyboard.body.resonator: ") + wrong, "allowed: a .json file, drum_head");
+    expect_refused(run({.arguments = {"render", "--score", "probe.json", "-o", "a.wav"}, .folder = box.path()}),
+                   std::string("piano.json: keyboard.body.resonator: ") + wrong, "allowed: a .json file, drum_head");
   }
 }
 

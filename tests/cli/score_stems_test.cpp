@@ -22,17 +22,13 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr auto kTwoSlides = R"({ "instrument": "slide-string", "duration_s": 0.3,
-    "voices": [ { "name": "g", "resonator": "guitar_g3", "material": "steel_on_steel", "pluck_m": 0.5,
-                  "pickup_m": 0.6, "height_m": 0, "pan": -0.3 },
-                { "name": "SECOND", "resonator": "guitar_b3", "material": "steel_on_steel", "pluck_m": 0.5,
-                  "pickup_m": 0.6, "height_m": 0 } ],
-    "events": [ { "time_s": 0, "place_m": 0.2, "slide_mass_kg": 0.04, "hand_force_n": 6,
-                  "hand_stiffness_n_per_m": 200, "hand_resistance_n_s_per_m": 2, "rest_resistance_n_s_per_m": 1 },
-                { "time_s": 0.05, "voice": "g", "pluck_n": 4 }, { "time_s": 0.1, "voice": "SECOND", "pluck_n": 3 } ] })";
+constexpr auto kTwoSteels = R"({ "instrument": "lap_steel", "duration_s": 0.3,
+    "voices": [ { "name": "g", "pan": -0.3 }, { "name": "SECOND", "tuning_cents": 400 } ],
+    "events": [ { "time_s": 0.05, "voice": "g", "pick_release_n": 4 },
+                { "time_s": 0.1, "voice": "SECOND", "pick_release_n": 3 } ] })";
 
-std::string two_slides(const std::string& second_name) {
-  std::string score = kTwoSlides;
+std::string two_steels(const std::string& second_name) {
+  std::string score = kTwoSteels;
   for (auto at = score.find("SECOND"); at != std::string::npos; at = score.find("SECOND"))
     score.replace(at, 6, second_name);
   return score;
@@ -42,12 +38,11 @@ std::string two_slides(const std::string& second_name) {
 // precision.
 TEST(ScoreStems, WritesStemsThatAddUpToTheMix) {
   const Sandbox box;
-  write_file(box / "probe.json", two_slides("b 2"));
+  write_file(box / "probe.json", two_steels("b 2"));
   for (const Words& gain : {Words{}, Words{"--gain", "-40"}}) {
     const std::string report =
-        succeed({.arguments = followed_by({"render", "slide-string", "--score", "probe.json", "-o", "mix.wav",
-                                           "--no-figure", "--stems", "parts/of/it"},
-                                          gain),
+        succeed({.arguments = followed_by(
+                     {"render", "probe.json", "-o", "mix.wav", "--no-figure", "--stems", "parts/of/it"}, gain),
                  .folder = box.path()});
     EXPECT_TRUE(report.ends_with("sound:  mix.wav\nstems:  2 in parts/of/it\n")) << report;
     const Sound mix = read_sound(box / "mix.wav"), g = read_sound(box / "parts/of/it/g.wav"),
@@ -68,15 +63,14 @@ TEST(ScoreStems, RefusesStemsThatCannotBeWritten) {
   const auto refused = [](const std::string& name, const Words& more, const std::string& begins,
                           const std::string& says) {
     const Sandbox box;
-    write_file(box / "probe.json", two_slides(name));
+    write_file(box / "probe.json", two_steels(name));
     fs::create_directories(box / "mine");
     write_file(box / "mine/g.wav", "my own file");
     const auto before = box.listing();
-    expect_refused(run({.arguments = followed_by({"render", "slide-string", "--score", "probe.json", "-o", "mix.wav",
-                                                  "--no-figure", "--stems"},
-                                                 more),
-                        .folder = box.path()}),
-                   begins, says);
+    expect_refused(
+        run({.arguments = followed_by({"render", "probe.json", "-o", "mix.wav", "--no-figure", "--stems"}, more),
+             .folder = box.path()}),
+        begins, says);
     EXPECT_TRUE(box.listing() == before) << names_in(box.listing());
   };
   refused("../b", {"parts"}, "probe.json: --stems: the name of voice '../b' cannot name a file",
@@ -113,8 +107,8 @@ TEST(ScoreStems, SumsAndPansVoices) {
       expected[static_cast<std::size_t>(2 * n + 1)] += std::sin(angle) * output;
     }
   }
-  const Sound sound = sound_of("hammer-string", R"({
-    "instrument": "hammer-string", "duration_s": 0.1, "keyboard": "piano",
+  const Sound sound = sound_of(R"({
+    "instrument": "piano", "duration_s": 0.1,
     "events": [ { "time_s": 0.01, "key": 88, "speed_m_per_s": 3 }, { "time_s": 0.01, "key": 40, "speed_m_per_s": 2 } ] })",
                                {"--signal", "bridge"});
   EXPECT_EQ(sound.channels, 2);
@@ -126,11 +120,11 @@ TEST(ScoreStems, SumsAndPansVoices) {
 // it.
 TEST(ScoreStems, StemsOfABodyAddUp) {
   const Sandbox box;
-  write_file(box / "probe.json", R"({ "instrument": "hammer-string", "duration_s": 1, "keyboard": "piano",
+  write_file(box / "probe.json", R"({ "instrument": "piano", "duration_s": 1,
     "events": [ { "time_s": 0.01, "key": 60, "speed_m_per_s": 3, "hold_s": 0.5 },
                 { "time_s": 0.01, "key": 48, "speed_m_per_s": 2, "hold_s": 0.8 } ] })");
-  succeed({.arguments = {"render", "hammer-string", "--score", "probe.json", "-o", "mix.wav", "--no-figure", "--gain",
-                         "0", "--stems", "stems"},
+  succeed({.arguments = {"render", "--score", "probe.json", "-o", "mix.wav", "--no-figure", "--gain", "0", "--stems",
+                         "stems"},
            .folder = box.path()});
   const Sound mix = read_sound(box / "mix.wav"), low = read_sound(box / "stems/48.wav"),
               high = read_sound(box / "stems/60.wav");

@@ -49,7 +49,7 @@ TEST_F(StandardInput, IsPlayed) {
   };
   expect_same("probe.json", {"render", "mass-barrier", "--duration", "0.1", "--material"}, {});
   expect_same("stroke.json", {"render"}, {});
-  expect_same("stroke.json", {"render", "hammer-string", "--score"}, {});
+  expect_same("stroke.json", {"render", "--score"}, {});
   expect_same("song.mid", {"render"}, {"--rate", "8000"});
 }
 

@@ -182,8 +182,7 @@ void play_a_little(Score score) {
 // A score that strikes a key of the keyboard once.
 void strike_key(std::string_view keyboard, int key) {
   const nlohmann::json event = {{"time_s", 0}, {"key", key}, {"speed_m_per_s", 2}};
-  const nlohmann::json text = {
-      {"instrument", "hammer-string"}, {"duration_s", 0.1}, {"keyboard", kJson}, {"events", {event}}};
+  const nlohmann::json text = {{"instrument", kJson}, {"duration_s", 0.1}, {"events", {event}}};
   Score score = parse_score(text.dump(), kJson, [&](const std::string& path) {
     return path == kJson ? std::string(keyboard) : shipped_file(path);
   });

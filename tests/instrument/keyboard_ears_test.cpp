@@ -65,12 +65,11 @@ class Heard {
     for (int key = 40; key <= 80; ++key)
       events += R"({ "time_s": 0, "key": )" + std::to_string(key) +
                 (key < 80 ? R"(, "hold_s": 0 }, )" : R"(, "hold_s": 0 })");
-    return std::make_shared<const KeyboardParts>(keyboard_parts(
-        parse_keyboard(text, "heard.json"),
-        std::make_shared<const Score>(parse_score(
-            R"({ "instrument": "hammer-string", "duration_s": 1, "keyboard": "heard.json", "events": [ )" + events +
-                " ] }",
-            "score.json", read))));
+    return std::make_shared<const KeyboardParts>(
+        keyboard_parts(parse_keyboard(text, "heard.json"),
+                       std::make_shared<const Score>(parse_score(
+                           R"({ "instrument": "heard.json", "duration_s": 1, "events": [ )" + events + " ] }",
+                           "score.json", read))));
   }
 
   PedaledKeyboard<double> keyboard_;

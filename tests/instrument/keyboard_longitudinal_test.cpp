@@ -50,8 +50,7 @@ PedaledKeyboard<T> keyboard(const std::string& longitudinal) {
   std::string events;
   for (int key = 28; key <= 60; ++key)
     events += R"({ "time_s": 0, "key": )" + std::to_string(key) + R"(, "hold_s": 0 })" + (key < 60 ? ", " : "");
-  const auto score =
-      R"({ "instrument": "hammer-string", "duration_s": 1, "keyboard": "along.json", "events": [ )" + events + " ] }";
+  const auto score = R"({ "instrument": "along.json", "duration_s": 1, "events": [ )" + events + " ] }";
   return {
       std::make_shared<const KeyboardParts>(keyboard_parts(
           parse_keyboard(text, "along.json"),

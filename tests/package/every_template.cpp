@@ -16,7 +16,6 @@
 #include "contactspline/host/sleeper.hpp"
 #include "contactspline/host/tuned_keys.hpp"
 #include "contactspline/instrument/ensemble_instrument.hpp"
-#include "contactspline/instrument/fret_string_instrument.hpp"
 #include "contactspline/instrument/hammer_string_instrument.hpp"
 #include "contactspline/instrument/instrument_parts.hpp"
 #include "contactspline/instrument/instruments_of.hpp"
@@ -29,8 +28,6 @@
 #include "contactspline/instrument/network_tuning.hpp"
 #include "contactspline/instrument/parameter_values.hpp"
 #include "contactspline/instrument/played_by_events.hpp"
-#include "contactspline/instrument/plucked_string_instrument.hpp"
-#include "contactspline/instrument/slide_string_instrument.hpp"
 #include "contactspline/instrument/string_outputs.hpp"
 #include "contactspline/instrument/voices.hpp"
 #include "contactspline/instruments/trichord_c4.hpp"
@@ -188,8 +185,6 @@ using Felt = materials::felt_c4;
   template class FretString<T>;                                                                                 \
   template class HammerString<T>;                                                                               \
   template class InstrumentDsp<HammerStringOf<Felt, String, T>>;                                                \
-  template class InstrumentDsp<SlideStringOf<Felt, String, T>>;                                                 \
-  template class InstrumentDsp<FretStringOf<Felt, String, T>>;                                                  \
   template class InstrumentDsp<MassBarrierOf<Felt, T>>;                                                         \
   template class Hosted<T>;                                                                                     \
   template class HalfBand<T>;                                                                                   \

@@ -604,7 +604,7 @@ case_run() {
     "$WORK/configured" >"$WORK/bin/cmake"
   chmod +x "$WORK/bin/cmake"
   PATH="$WORK/bin:$PATH" "$tree/scripts/run" >"$WORK/log" 2>&1 || fail "scripts/run fails"
-  for sound in fur_elise slide_guitar; do
+  for sound in fur_elise steel_phrase; do
     [ -s "$tree/out/$sound.wav" ] && [ -s "$tree/out/$sound.svg" ] || fail "scripts/run does not play $sound"
   done
   ! grep -qi 'warning' "$WORK/log" || fail "scripts/run warns"

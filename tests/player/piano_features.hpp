@@ -28,7 +28,7 @@ inline constexpr double kFeatureRate = 44100;
 [[nodiscard]] inline Score one_note(int key, double speed_m_per_s, double hold_s, double duration_s,
                                     const std::string& other_events = "") {
   const std::string text = fmt::format(
-      R"({{ "instrument": "hammer-string", "duration_s": {}, "keyboard": "piano",
+      R"({{ "instrument": "piano", "duration_s": {},
             "events": [ {{ "time_s": 0, "key": {}, "speed_m_per_s": {}, "hold_s": {} }}{} ] }})",
       duration_s, key, speed_m_per_s, hold_s, other_events);
   Score score = parse_score(text, "note.json", shipped_file);

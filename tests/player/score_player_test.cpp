@@ -5,33 +5,34 @@
 #include <limits>
 #include <sstream>
 
-#include "contactspline/instrument/string_outputs.hpp"
 #include "generator/player/score_reader.hpp"
-#include "generator/support/embedded_files.hpp"
 #include "generator/support/error.hpp"
-#include "support/compare.hpp"
 #include "support/finite.hpp"
 #include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
 
+// A slide of 50 g that a hand presses on a string with 2 N.
 Score slide_score(const std::string& events) {
   return parse_score(R"({
-    "instrument": "slide-string", "duration_s": 1,
-    "voices": [ { "name": "g", "resonator": "guitar_g3", "material": "steel_on_steel", "pluck_m": 0.5,
-                  "pickup_m": 0.6, "height_m": 0 } ],
-    "events": [
-      { "time_s": 0, "place_m": 0.2, "slide_mass_kg": 0.05, "hand_force_n": 2, "hand_stiffness_n_per_m": 200,
-        "hand_resistance_n_s_per_m": 2, "rest_resistance_n_s_per_m": 1 },
-      { "time_s": 0.05, "pluck_n": 4 })" +
+    "instrument": { "name": "slide",
+      "bodies": [ { "name": "string", "resonator": "guitar_g3" }, { "name": "slide", "mass_kg": 0.05 } ],
+      "places": [ { "name": "under_slide", "body": "string", "position_m": 0.2 },
+                  { "name": "plucked", "body": "string", "position_m": 0.5 } ],
+      "contacts": [ { "name": "wire", "between": ["slide", "under_slide"], "material": "steel_on_steel" } ],
+      "springs": [ { "name": "hand", "between": ["slide", "ground"], "stiffness_n_per_m": 200, "resistance_n_s_per_m": 2 } ],
+      "controls": [ { "name": "press", "force_n": "slide", "initial": 2, "min": -2, "max": 10 },
+                    { "name": "slide", "stiffness_ratio": "wire", "min": 1e-6, "max": 1e6 },
+                    { "name": "pick", "force_n": "plucked", "min": -5, "max": 5, "release_n": 4 } ],
+      "outputs": [ { "name": "plucked", "velocity_m_per_s": "plucked" } ] },
+    "duration_s": 1, "events": [ { "time_s": 0.05, "pick_release_n": 4 })" +
                          events + "] }",
-                     "probe.json", {});
+                     "probe.json", shipped_file);
 }
 
 Performance played(const Score& score, Precision precision) {
-  return play(score, {.sample_rate_hz = 44100, .output = StringOutput::kVelocity, .precision = precision},
-              [](double) {});
+  return play(score, {.sample_rate_hz = 44100, .precision = precision}, [](double) {});
 }
 
 // A stiffness that jumps by 1e12 under a pressed slide, each way a hundred times: its rises do 1 W of work at most,
@@ -39,8 +40,8 @@ Performance played(const Score& score, Precision precision) {
 TEST(ScorePlayer, IsBoundedWhereTheStiffnessJumps) {
   std::ostringstream events;
   for (int i = 0; i < 200; ++i)
-    events << R"(, { "time_s": )" << 0.1 + 0.004 * i << R"(, "stiffness_ratio": )" << (i % 2 == 0 ? "1e-6" : "1e6")
-           << " }";
+    events << R"(, { "time_s": )" << 0.1 + 0.004 * i << R"(, "slide_stiffness_ratio": )"
+           << (i % 2 == 0 ? "1e-6" : "1e6") << " }";
   const std::string jumps = events.str();
   const auto still = played(slide_score(""), Precision::kDouble);
   for (const Precision precision : {Precision::kDouble, Precision::kSingle}) {
@@ -52,19 +53,6 @@ TEST(ScorePlayer, IsBoundedWhereTheStiffnessJumps) {
     EXPECT_LT(sound.largest_force_n, 1e4);
     Measured() << "largest force " << sound.largest_force_n << " N, without jumps " << still.largest_force_n << " N";
   }
-}
-
-// Until the light hand of 6.7 s the slides stay on their strings: each meets its string once. A hand
-// that is too light rattles thousands of times, which is heard as noise.
-TEST(ScorePlayer, TheSlideOfSlideGuitarRattlesOnlyUnderALightHand) {
-  const auto* file = find_embedded(Shipped::kScores, "slide_guitar.json");
-  ASSERT_NE(file, nullptr);
-  Score score = parse_score(file->content, file->name, shipped_file);
-  const std::size_t all = played(score, Precision::kDouble).contacts;
-  score.duration_s = 6.7;
-  const std::size_t pressed = played(score, Precision::kDouble).contacts;
-  EXPECT_EQ(pressed, 2u);
-  EXPECT_GT(all, 200u);
 }
 
 // A key of an instrument file, struck again while it is down, is let go when the last of its notes ends.
@@ -81,15 +69,11 @@ TEST(ScorePlayer, LetsAKeyGoWhenTheLastOfItsNotesEnds) {
   EXPECT_EQ(of_holds("", "0.1"), of_holds("", "0.2"));  // which the first one holds for ever
 }
 
-// The second voice has a mode whose mass is no number, or one beyond what a sound file holds, and is struck at 0.1 s.
+// The second key has a mode whose mass is no number, or one beyond what a sound file holds, and is struck at 0.1 s.
 TEST(ScorePlayer, SaysWhereASoundIsNotFinite) {
-  Score score = parse_score(R"({
-    "instrument": "hammer-string", "duration_s": 0.3,
-    "voices": [ { "name": "g", "resonator": "guitar_g3", "material": "felt_c4" },
-                { "name": "h", "resonator": "guitar_g3", "material": "felt_c4" } ],
-    "events": [ { "time_s": 0, "voice": "g", "speed_m_per_s": 2 }, { "time_s": 0.1, "voice": "h", "speed_m_per_s": 2 } ]
-  })",
-                            "probe.json", {});
+  Score score = parse_score(R"({ "instrument": "piano", "duration_s": 0.3, "events": [
+    { "time_s": 0, "key": 55, "speed_m_per_s": 2 }, { "time_s": 0.1, "key": 60, "speed_m_per_s": 2 } ] })",
+                            "probe.json", shipped_file);
   const Mode sound{1256, 1, 0.01}, broken{1256, 1, std::numeric_limits<double>::quiet_NaN()};
   for (const auto& [lowest, pickup] : {std::pair(broken, 1.0), std::pair(sound, 1e37)})
     for (const Precision precision : {Precision::kDouble, Precision::kSingle}) {
@@ -100,7 +84,7 @@ TEST(ScorePlayer, SaysWhereASoundIsNotFinite) {
       } catch (const BadInput& bad) {
         message = bad.what();
       }
-      EXPECT_TRUE(message.starts_with("probe.json: voice h: its sound is not finite from 0.1")) << message;
+      EXPECT_TRUE(message.starts_with("probe.json: voice 60: its sound is not finite from 0.1")) << message;
       EXPECT_NE(message.find(" s on; allowed: "), std::string::npos) << message;
     }
 }
@@ -109,7 +93,7 @@ TEST(ScorePlayer, SaysWhereASoundIsNotFinite) {
 // its checks, within 88 times 32 samples, which would be a silence that nobody explains. A board whose motion is no
 // number is found at once.
 TEST(ScorePlayer, SaysWhereAKeyboardIsNotFinite) {
-  const Score good = parse_score(R"({ "instrument": "hammer-string", "duration_s": 0.3, "keyboard": "piano",
+  const Score good = parse_score(R"({ "instrument": "piano", "duration_s": 0.3,
     "events": [ { "time_s": 0.1, "key": 60, "speed_m_per_s": 2 } ] })",
                                  "probe.json", shipped_file);
   Score light = good, board = good;
@@ -127,40 +111,6 @@ TEST(ScorePlayer, SaysWhereAKeyboardIsNotFinite) {
     }
     EXPECT_TRUE(message.starts_with("probe.json: keyboard: its sound is not finite from 0.1")) << message;
   }
-}
-
-// A plucked string on a body: the sound is that of the body's modes under the force on the bridge. The sound is
-// stored in single precision, and so is the force that is played here: 6e-8 of the peak each, of which the force's is
-// noise that the modes take up for some hundred samples.
-TEST(ScorePlayer, DrivesABodyByTheForceOnTheBridge) {
-  Score score = slide_score("");
-  const auto silent = [](double) {};
-  const auto force = play(score, {.sample_rate_hz = 44100, .output = StringOutput::kBridge}, silent);
-  ASSERT_EQ(force.channels, 1);
-  score.body =
-      Resonator{"probe", "", ModeTable{{{{600, 20, 0.1}, 1.5, 0.5}, {{3000, 100, 0.2}, -1, 2}}}, {0}, {0}, 10};
-  score.voices[0].pan = -0.5;  // the body has the ears, not the string
-  PlayOptions best{44100};
-  choose_best_output(score, best);
-  ASSERT_TRUE(best.is_on_body);
-  const auto sound = play(score, best, silent);
-  ASSERT_EQ(sound.channels, 2);
-  const std::vector<Mode> modes = {{600, 20, 0.1}, {3000, 100, 0.2}};
-  const std::vector<double> strike = {1.5, -1}, pickup = {0.5, 2};
-  ModalBank<double> bank(modes, 44100);
-  const auto bridge = ModeShapes<double>(strike);
-  const auto ear = bank.sound_pickup(ModeShapes<double>(pickup));
-  std::vector<double> expected, left, right;
-  for (std::size_t n = 0; n < force.samples.size(); ++n) {
-    bank.predict();
-    bank.push(bridge, static_cast<double>(force.samples[n]));
-    bank.commit();
-    expected.push_back(bank.velocity(ear));
-    left.push_back(static_cast<double>(sound.samples[2 * n]));
-    right.push_back(static_cast<double>(sound.samples[2 * n + 1]));
-  }
-  EXPECT_TRUE(sequences_within<double>(left, expected, 1e-6));
-  EXPECT_EQ(left, right);
 }
 
 }  // namespace

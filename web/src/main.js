@@ -342,7 +342,7 @@ class Page {
     const scores = packed.map(([name, score]) => [name, readScore(score, name, this.editor.generator)]).filter(([, score]) => instrumentOf(score, this.instruments));
     this.scores = new Map(scores);
     byId("piece").disabled = false;
-    const title = ([name, score]) => (score.keyboard ? score.description.replace(/,[^,]*$/, "") : capital(name.replaceAll("_", " ")));
+    const title = ([name, score]) => (score.instrument === "piano" ? score.description.replace(/,[^,]*$/, "") : capital(name.replaceAll("_", " ")));
     byId("scores").append(...scores.map((one) => new Option(title(one), one[0])));
   }
 

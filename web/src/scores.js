@@ -15,13 +15,12 @@ export function readScore(packed, name, generator) {
 export function scoreOfMidi({ title, messages, end, parts = [{ messages }] }) {
   const played = parts.flatMap(({ messages }, voice) => messages.map(({ time, bytes }) => ({ at: time, do: "midi", bytes, voice })));
   played.sort((a, b) => a.at - b.at);
-  return { keyboard: "piano", description: title, played: { voices: [], messages: [...played, { at: end + kTail, do: "end" }] } };
+  return { instrument: "piano", description: title, played: { voices: [], messages: [...played, { at: end + kTail, do: "end" }] } };
 }
 
 /** The instrument of the page that a score plays, or null. */
 export function instrumentOf(score, instruments) {
-  const name = score.keyboard ?? score.instrument;
-  return instruments.has(name) ? name : null;
+  return instruments.has(score.instrument) ? score.instrument : null;
 }
 
 // A note and its end. A key or voice is let go when the last of its notes ends (runtime/contactspline/midi).
@@ -78,7 +77,7 @@ export function performance(score, instrument) {
   if (score.played) return score.played;
   const voices = (score.voices ?? []).map(({ tuning_cents = 0, pan = 0 }) => ({ pan, bytes: tuning_cents === 0 ? undefined : instrument.tuned(tuning_cents) }));
   const names = score.voices?.map(({ name }) => name) ?? [undefined];
-  const messages = score.keyboard
+  const messages = instrument.speeds
     ? keyMessages(score, instrument)
     : names.flatMap((name, i) => eventMessages(score, instrument, name, score.voices ? i + 1 : 0));
   messages.sort((a, b) => a.at - b.at);

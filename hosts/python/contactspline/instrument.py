@@ -158,10 +158,10 @@ class Sound:
 class Instrument:
     """What makes sound: `parameters`, `events`, `outputs` and `presets` tell what it has, `play` plays it.
 
-    source: hammer_string, slide_string, fret_string, mass_barrier, piano, an instrument that ships, the path of an
-    instrument file, or a dict with the keys of such a file. parts: for the first four, what they are made of instead, with
-    the keys of a voice of a score: resonator and material (names, paths or dicts), pluck_m, ...; and first values of
-    parameters. For the piano: keyboard, a name, a path or a dict. Raises Error with the line that the program prints.
+    source: hammer_string, mass_barrier, piano, an instrument that ships, the path of an instrument file, or a dict with the
+    keys of such a file. parts: what the first three are made of instead: material, for hammer_string also resonator,
+    tuning_cents, hammer_mass_kg and damper_per_s; for piano keyboard. Material, resonator and keyboard are names, paths or
+    dicts. Raises Error with the line that the program prints.
     """
 
     def __init__(self, source: str | os.PathLike[str] | Mapping[str, Any], /, **parts: Any) -> None:

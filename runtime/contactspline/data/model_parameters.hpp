@@ -38,63 +38,6 @@ struct HammerStringParameter {
   static constexpr std::array<Event, 1> kEvents = {{{"strike", EventKind::kStrike, 0, kSpeed}}};
 };
 
-/// The parameters that all plucked strings with a contact have; NaN: the parts decide.
-struct PluckedStringParameter {
-  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  static constexpr Parameter kPlaceOnString = {"place_m",      "m",           {0, 100}, {0, 100}, kNaN,
-                                               Scale::kLinear, Acts::kAtOnce, 0.02,     1};
-  static constexpr Parameter kContactStiffness = {
-      "stiffness_ratio", "", {1e-6, 1e6}, {0.001, 1000}, 1, Scale::kLogarithmic, Acts::kAtOnce, 0.005};
-  static constexpr Parameter kContactLoss = {"loss_s_per_m", "s/m", {0, 1e3}, {0, 2}, kNaN};
-};
-
-/// The parameters of a slide-string. A score gives the values that are not numbers here and starts from the others.
-struct SlideStringParameter : PluckedStringParameter {
-  enum : std::size_t {
-    kPlace,
-    kSlideMass,
-    kHandForce,
-    kHandStiffness,
-    kHandResistance,
-    kRestResistance,
-    kPluckForce,
-    kStiffnessRatio,
-    kLoss,
-    kVibratoDepth,
-    kVibratoRate,
-    kPluck,
-    kParameters
-  };
-  static constexpr std::array<Parameter, kParameters> kList = {
-      {kPlaceOnString,
-       {"slide_mass_kg", "kg", {1e-6, 100}, {0.001, 0.2}, kNaN, Scale::kLogarithmic},
-       {"hand_force_n", "N", {-1e3, 1e3}, {-2, 10}, 0, Scale::kLinear, Acts::kAtOnce, 0.005},
-       {"hand_stiffness_n_per_m", "N/m", {0, 1e9}, {0, 1e4}, 0},
-       {"hand_resistance_n_s_per_m", "N s/m", {0, 1e6}, {0, 20}, 0},
-       {"rest_resistance_n_s_per_m", "N s/m", {0, 1e6}, {0, 20}, 0, Scale::kLinear, Acts::kAtOnce, 0.005},
-       {"pluck_force_n", "N", {-1e3, 1e3}, {-5, 5}, 0, Scale::kLinear, Acts::kAtOnce, 0.005},
-       kContactStiffness,
-       kContactLoss,
-       {"vibrato_m", "m", {0, 0.1}, {0, 0.01}, 0, Scale::kLinear, Acts::kAtOnce, 0.05},
-       {"vibrato_hz", "Hz", {0, 100}, {0, 10}, 0},
-       {"pluck_n", "N", {-1e3, 1e3}, {0, 5}, 1, Scale::kLinear, Acts::kAtNextNote}}};
-  static constexpr std::array<Event, 1> kEvents = {{{"pluck", EventKind::kPluck, 0, kPluck}}};
-};
-
-/// The parameters of a fret-string.
-struct FretStringParameter : PluckedStringParameter {
-  enum : std::size_t { kPlace, kGap, kPluckForce, kDamping, kStiffnessRatio, kLoss, kPluck, kParameters };
-  static constexpr std::array<Parameter, kParameters> kList = {
-      {kPlaceOnString,
-       {"gap_m", "m", {-0.1, 0.1}, {-0.002, 0.005}, kNaN, Scale::kLinear, Acts::kAtOnce, 0.02},
-       {"pluck_force_n", "N", {-1e3, 1e3}, {-10, 10}, 0, Scale::kLinear, Acts::kAtOnce, 0.005},
-       {"damping_per_s", "1/s", {0, 1e5}, {0, 1000}, 0, Scale::kLinear, Acts::kAtOnce, 0.005},
-       kContactStiffness,
-       kContactLoss,
-       {"pluck_n", "N", {-1e3, 1e3}, {0, 10}, 1.5, Scale::kLinear, Acts::kAtNextNote}}};
-  static constexpr std::array<Event, 1> kEvents = {{{"pluck", EventKind::kPluck, 0, kPluck}}};
-};
-
 /// The parameters of a mass-barrier.
 struct MassBarrierParameter {
   enum : std::size_t { kMass, kGravity, kStiffnessRatio, kLoss, kStart, kSpeed, kParameters };

@@ -48,7 +48,6 @@ struct ResonatorParts {
   std::vector<double> bridge;             ///< force on the bridge per modal displacement [N/m]; empty: it has none
   double length_m = 0;                    ///< up to where a place may lie; 0: places have no meaning
   double strike_m = 0;                    ///< place of the first strike
-  double pluck_m = 0;                     ///< place of the pluck
   /// Writes the shapes under a hammer at a place. Must not allocate if the place moves on an audio thread.
   std::function<void(double place_m, std::span<double> shapes)> strike_shapes;
   std::optional<StiffString> string = {};            ///< whose tension can be bent
@@ -69,15 +68,6 @@ struct HammerStringParts {
   double loss_s_per_m = 0;
   Damper damper = {};
   std::vector<Memory> memories = {};  ///< of the felt
-};
-
-/// What a slide-string or a fret-string is built of.
-struct PluckedStringParts {
-  ResonatorParts resonator;              ///< a string
-  std::vector<Segment<double>> contact;  ///< segment table of slide or fret
-  double loss_s_per_m = 0;
-  double height_m = 0;                ///< distance of the slide from the string at rest, where it begins
-  std::vector<Memory> memories = {};  ///< of the material of slide or fret
 };
 
 /// What a mass-barrier is built of.
@@ -124,7 +114,7 @@ template <typename Resonator>
   parts.wavenumbers_per_m = copy(Resonator::wavenumbers);
   parts.pickup = copy(Resonator::pickup_shapes);
   parts.length_m = std::numbers::pi / Resonator::wavenumbers[0];
-  parts.strike_m = parts.pluck_m = Resonator::strike_position_m;
+  parts.strike_m = Resonator::strike_position_m;
   for (std::size_t i = 0; i < parts.modes.size(); ++i) {
     const StringMode row{parts.modes[i], parts.wavenumbers_per_m[i]};
     const double angle = row.wavenumber_per_m * parts.length_m;

@@ -7,12 +7,10 @@
 #include <utility>
 
 #include "contactspline/host/engine.hpp"
-#include "contactspline/instrument/fret_string_instrument.hpp"
 #include "contactspline/instrument/hammer_string_instrument.hpp"
 #include "contactspline/instrument/keyboard_instrument.hpp"
 #include "contactspline/instrument/mass_barrier_instrument.hpp"
 #include "contactspline/instrument/network_instrument.hpp"
-#include "contactspline/instrument/slide_string_instrument.hpp"
 #include "contactspline/instrument/voices.hpp"
 
 namespace contactspline {
@@ -35,14 +33,6 @@ class OfFile : private Owned, public I {
 template <std::floating_point T>
 Handle<T> Engine<T>::hammer_string(HammerStringParts parts) {
   return handle_of<HammerStringInstrument<T>>(std::move(parts));
-}
-template <std::floating_point T>
-Handle<T> Engine<T>::slide_string(PluckedStringParts parts) {
-  return handle_of<SlideStringInstrument<T>>(std::move(parts));
-}
-template <std::floating_point T>
-Handle<T> Engine<T>::fret_string(PluckedStringParts parts) {
-  return handle_of<FretStringInstrument<T>>(std::move(parts));
 }
 template <std::floating_point T>
 Handle<T> Engine<T>::mass_barrier(MassBarrierParts parts) {

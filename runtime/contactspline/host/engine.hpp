@@ -20,8 +20,6 @@ namespace contactspline {
 template <std::floating_point T>
 struct Engine {
   static Handle<T> hammer_string(HammerStringParts parts);
-  static Handle<T> slide_string(PluckedStringParts parts);
-  static Handle<T> fret_string(PluckedStringParts parts);
   static Handle<T> mass_barrier(MassBarrierParts parts);
   static Handle<T> keyboard(std::shared_ptr<const KeyboardParts> parts);
   /// What an instrument file describes, on voices where it has keys. `arrays` owns what `data` views, or is null
@@ -35,15 +33,8 @@ template <typename Felt, typename String, std::floating_point T>
 class HammerStringOf;
 template <typename Material, std::floating_point T>
 class MassBarrierOf;
-template <std::floating_point T>
-class SlideStringInstrument;
-template <std::floating_point T>
-class FretStringInstrument;
 
 namespace detail {
-
-template <template <typename> typename Model, typename Contact, typename String, std::floating_point T>
-class PluckedStringOf;
 
 template <typename I>
 struct Compiled {
@@ -65,18 +56,6 @@ struct Compiled<HammerStringOf<Felt, String, T>> {
 template <typename Material, std::floating_point T>
 struct Compiled<MassBarrierOf<Material, T>> {
   static auto make() { return Engine<T>::mass_barrier(MassBarrierOf<Material, T>::parts()); }
-};
-template <typename Contact, typename String, std::floating_point T>
-struct Compiled<PluckedStringOf<SlideStringInstrument, Contact, String, T>> {
-  static auto make() {
-    return Engine<T>::slide_string(PluckedStringOf<SlideStringInstrument, Contact, String, T>::parts());
-  }
-};
-template <typename Contact, typename String, std::floating_point T>
-struct Compiled<PluckedStringOf<FretStringInstrument, Contact, String, T>> {
-  static auto make() {
-    return Engine<T>::fret_string(PluckedStringOf<FretStringInstrument, Contact, String, T>::parts());
-  }
 };
 
 }  // namespace detail

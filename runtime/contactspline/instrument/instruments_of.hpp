@@ -10,10 +10,8 @@
 #include <vector>
 
 #include "contactspline/instrument/ensemble_instrument.hpp"
-#include "contactspline/instrument/fret_string_instrument.hpp"
 #include "contactspline/instrument/hammer_string_instrument.hpp"
 #include "contactspline/instrument/mass_barrier_instrument.hpp"
-#include "contactspline/instrument/slide_string_instrument.hpp"
 
 namespace contactspline {
 
@@ -34,13 +32,6 @@ template <typename Felt>
 [[nodiscard]] HammerStringParts under_felt(ResonatorParts strings, double hammer_mass_kg, const Damper& damper = {}) {
   strings.max_outputs = StringOutput::kOfHosts;
   return {std::move(strings), table_of<Felt>(), hammer_mass_kg, Felt::loss_s_per_m, damper, memories_in<Felt>()};
-}
-
-/// A string that meets an emitted material.
-template <typename Contact>
-[[nodiscard]] PluckedStringParts at_contact(ResonatorParts string) {
-  string.max_outputs = StringOutput::kOfHosts;
-  return {std::move(string), table_of<Contact>(), Contact::loss_s_per_m, 0, memories_in<Contact>()};
 }
 
 }  // namespace detail
@@ -86,24 +77,5 @@ class EnsembleOf : public EnsembleInstrument<T> {
     return parts;
   }
 };
-
-namespace detail {
-
-template <template <typename> typename Model, typename Contact, typename String, std::floating_point T>
-class PluckedStringOf : public Model<T> {
- public:
-  PluckedStringOf() : Model<T>(parts()) {}
-  static PluckedStringParts parts() { return at_contact<Contact>(string_parts<String>()); }
-};
-
-}  // namespace detail
-
-/// A slide of an emitted material on an emitted string.
-template <typename Slide, typename String, std::floating_point T>
-using SlideStringOf = detail::PluckedStringOf<SlideStringInstrument, Slide, String, T>;
-
-/// An emitted string over a fret of an emitted material.
-template <typename Fret, typename String, std::floating_point T>
-using FretStringOf = detail::PluckedStringOf<FretStringInstrument, Fret, String, T>;
 
 }  // namespace contactspline
