@@ -448,7 +448,7 @@ TEST(FigureOfASound, ShowsTheMeanOfBothChannelsInTheUnitOfItsAxis) {
   expect_extremes(curves[0], low, high);
   expect_extremes(curves[1], 0, number_after(report, "largest contact force "));
   const auto labels = labels_in(box, "left.svg");
-  EXPECT_TRUE(has(labels, "bridge force [N],"));
+  EXPECT_TRUE(has(labels, "amplifier velocity [m/s],"));
   EXPECT_TRUE(has(labels, "mean of both channels"));
 }
 

@@ -12,11 +12,13 @@
 
 #include "contactspline/host/engine.hpp"
 #include "contactspline/host/hosted.hpp"
+#include "contactspline/instrument/instruments_of.hpp"
 #include "contactspline/instruments/lap_steel.hpp"
 #include "contactspline/instruments/marimba.hpp"
 #include "contactspline/instruments/prepared_piano.hpp"
 #include "contactspline/instruments/snare.hpp"
 #include "contactspline/instruments/tom.hpp"
+#include "contactspline/materials/steel_on_steel.hpp"
 
 namespace contactspline::testing {
 namespace {
