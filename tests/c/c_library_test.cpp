@@ -553,7 +553,7 @@ TEST(CLibraryNames, AreAllPlayable) {
   std::size_t count = 0;
   for (const char* const* name = contactspline_names(); *name != nullptr; ++name, ++count)
     EXPECT_STREQ(contactspline_name(create(*name).get()), *name);
-  EXPECT_EQ(count, 5 + shipped_names(Shipped::kInstruments).size());
+  EXPECT_EQ(count, 3 + shipped_names(Shipped::kInstruments).size());
 }
 
 TEST(CLibraryNames, ThatAreWrongAreRefused) {
