@@ -2,23 +2,26 @@
 # SPDX-License-Identifier: MIT
 """Makes the files of the guitars, with parts that are fitted to recorded notes.
 
-    make.py fit PROGRAM classical_guitar|fret_guitar RECORDINGS FILE
+    make.py fit PROGRAM classical_guitar|steel_guitar|fret_guitar RECORDINGS FILE
     make.py distance PROGRAM FILE FITTED KEPT
 
 PROGRAM is contactspline. RECORDINGS, FITTED and KEPT hold SOURCE/KEY.wav, single notes of open strings at 44.1 kHz under their
 keys of MIDI. `fit` writes FILE. It searches by least squares from where a search ended: losses, where the strings are plucked, of
 the classical guitar forces of the fingers, masses, decays and shapes of the body's modes and how strongly they sound outside, above 1.3 kHz a curve
-over the frequency; of the fret guitar where its magnet is, and how the modes of the amplifier sound. What is made small is that of
-bench/strings.py and, for many keys of the classical guitar, how much louder they are than the mean of them, less the median of that over the sources
+over the frequency; of the steel guitar the same but for the shapes, with a curve from 600 Hz on; of the fret guitar where its magnet is, and how the modes of the amplifier sound. What is made small is that of
+bench/strings.py and, for many keys of both, how much louder they are than the mean of them, less the median of that over the sources
 [dB(A)], between the keys that were recorded on a line. The fret guitar's string is plucked as fast on all keys.
 
 Fitted: E2, A2, D3, G3, B3 and E4 of Nylon Guitar of FluidR3 GM (fluid-soundfont-gm, MIT) and of tonejs-instrument-guitar-nylon
-(npm; CC-BY 3.0); E2, D3, G3 and E4 of Clean Guitar of FluidR3 GM. Kept: Nylon Guitar and Clean Electric Guitar of freepats (GPL-2
+(npm; CC-BY 3.0); the same strings of Steel Guitar of FluidR3 GM and of tonejs-instrument-guitar-acoustic (CC-BY 3.0); E2, D3, G3 and E4 of Clean Guitar of FluidR3 GM.
+Kept: Nylon Guitar, Steel Guitar and Clean Electric Guitar of freepats (GPL-2
 with an exception for music), A2 and B3 of Clean Guitar, tonejs-instrument-guitar-electric.
 
 `distance` prints medians over the notes: of log-mel spectrograms, of levels of partials and of the ratios of the decays of
 partials from 40 to 500 ms, for the recordings that were fitted and for those that were kept.
 """
+import json
+import re
 import sys
 from pathlib import Path
 
@@ -28,6 +31,12 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from strings import distance, fit, number
 
 LENGTH, SADDLE = 0.66, 0.648
+
+
+def json_of(path):
+    return json.loads(re.sub(r"^//.*$", "", Path(path).read_text(encoding="utf-8"), flags=re.M))
+
+
 # Of each string: key, mass [kg/m] of a usual set, modes, and the inharmonicity of its partials in the recordings that are fitted.
 STRINGS = {"e2": (40, 6.24e-3, 60, 2.8e-5), "a2": (45, 3.61e-3, 50, 1.67e-5), "d3": (50, 1.95e-3, 42, 1.32e-5),
            "g3": (55, 9.0e-4, 34, 1.55e-4), "b3": (59, 5.2e-4, 30, 6.3e-5), "e4": (64, 3.8e-4, 26, 3.6e-5)}
@@ -52,6 +61,27 @@ RANGES = {"release": (2, 8), "constant": (0.2, 4), "quadratic": (1e-5, 5e-3), "p
           "shape": (0.05, 3), "heard": (0.003, 300)}
 INHARMONICITY = {of[0]: of[3] for of in STRINGS.values()}  # where partials are looked for; those of the fret guitar are near enough
 CONE = [120, 250, 600, 1400, 2800, 5000]  # modes of the amplifier [Hz]
+# Of each steel string: key, mass [kg/m] and inharmonicity of guitar_e2 to guitar_e4, whose cores are 0.4 mm thick, or which are plain, and modes.
+STEEL_STRINGS = {name: (key, string["mass_kg"] / string["length_m"], modes, np.pi ** 2 * string["bending_stiffness_n_m2"] / (string["tension_n"] * string["length_m"] ** 2))
+                 for name, key, modes in (("e2", 40, 90), ("a2", 45, 70), ("d3", 50, 54), ("g3", 55, 42), ("b3", 59, 34), ("e4", 64, 26))
+                 for string in [json_of(Path(__file__).parents[2] / f"data/resonators/guitar_{name}.json")["string"]]}
+STEEL_SHARP = {"e2": 0, "a2": 2.5, "d3": 0.5, "g3": 2.5, "b3": 6.5, "e4": 9}  # cents, as SHARP
+STEEL_LOW = [100, 200, 235, 290, 385, 440, 520, 580]  # modes that have numbers of their own [Hz]
+STEEL_KNOTS = [643.7, 1000, 1700, 2800, 4600]
+STEEL_USUAL = {**{f"release_{s}": 4 for s in STEEL_STRINGS}, **{f"constant_{s}": 1 for s in STEEL_STRINGS}, **{f"quadratic_{s}": 3e-4 for s in STEEL_STRINGS}, "plucked": 0.13,
+               "low_mass": 1, "high_mass": 1, "decay": 1, **{f"heard_{f}": 1 for f in STEEL_LOW + STEEL_KNOTS}}
+STEEL_BEGIN = {"release_e2": 5.15, "release_a2": 4.32, "release_d3": 5.07, "release_g3": 3.5, "release_b3": 3.59, "release_e4": 3.68,
+               "constant_e2": 0.382, "constant_a2": 0.495, "constant_d3": 0.195, "constant_g3": 0.231, "constant_b3": 0.698, "constant_e4": 1.14,
+               "quadratic_e2": 0.000267, "quadratic_a2": 0.000266, "quadratic_d3": 0.00019, "quadratic_g3": 0.000316, "quadratic_b3": 0.000376,
+               "quadratic_e4": 0.000492, "plucked": 0.142, "low_mass": 6.08, "high_mass": 4.4, "decay": 2.94, "heard_100": 1.59, "heard_200": 2.56,
+               "heard_235": 1.45, "heard_290": 0.583, "heard_385": 1.2, "heard_440": 8.83, "heard_520": 0.95, "heard_580": 2.81, "heard_643.7": 3.03,
+               "heard_1000": 2.3, "heard_1700": 2.4, "heard_2800": 4.41, "heard_4600": 1}
+STEEL_HEADER = """\
+// Six steel strings of a light set on a guitar's body, each plucked by a finger; they also sound with each other. A string runs over the
+// saddle, 0.648 m from its end, to the pin behind it. Strings and modes of the body are those of guitar_e2 to guitar_e4 and guitar_body.
+// Written by bench/guitar/make.py, which says how: losses of the strings, where and how hard they are plucked, masses, decays and
+// how the modes are heard are fitted to recorded notes of FluidR3 GM (MIT) and of tonejs-instrument-guitar-acoustic (CC-BY 3.0).
+"""
 FRET_USUAL = {"constant": 2, "quadratic": 3e-4, "plucked": 0.5, "magnet": 0.6, **{f"cone_{f}": 1 for f in CONE}}
 FRET_BEGIN = {"constant": 1.58, "quadratic": 4.77e-4, "plucked": 0.42, "magnet": 0.609, "cone_120": -1.043, "cone_250": -6.233,
               "cone_600": 4.467, "cone_1400": -1.76, "cone_2800": 5.267, "cone_5000": -0.118}
@@ -94,12 +124,14 @@ def heard(p, f):
     return np.exp(np.interp(np.log(f), np.log(KNOTS), [np.log(p[f"heard_{k}"]) for k in KNOTS]))
 
 
-def guitar(p, names=tuple(STRINGS)):
+def six_strings(p, names, table, sharp):
+    """Bodies, places, links, controls and keys of strings that run over a saddle."""
     bodies, places, links, controls, keys = [], [], [], [], []
-    for s in names:
-        key, mass_per_m, max_modes, b = STRINGS[s]
+    lows = [table[s][0] for s in names]
+    for i, s in enumerate(names):
+        key, mass_per_m, max_modes, b = table[s]
         f = 440 * 2 ** ((key - 69) / 12)
-        tension = mass_per_m * (2 * SADDLE * f) ** 2 * 2 ** (-SHARP[s] / 600)
+        tension = mass_per_m * (2 * SADDLE * f) ** 2 * 2 ** (-sharp[s] / 600)
         bodies.append({"name": s, "string": {"length_m": LENGTH, "mass_kg": number(mass_per_m * LENGTH, 5), "tension_n": number(tension / (1 + b), 6),
                                              "bending_stiffness_n_m2": number(b * tension * SADDLE ** 2 / np.pi ** 2),
                                              "constant_loss_per_s": number(p[f"constant_{s}"]), "quadratic_loss_m2_per_s": number(p[f"quadratic_{s}"])},
@@ -107,6 +139,13 @@ def guitar(p, names=tuple(STRINGS)):
         places += [{"name": f"{s}_plucked", "body": s, "position_m": number(SADDLE - p["plucked"])}, {"name": f"{s}_over_saddle", "body": s, "position_m": SADDLE}]
         links.append({"name": f"{s}_bridge", "between": [f"{s}_over_saddle", "saddle"]})
         controls.append({"name": f"finger_{s}", "force_n": f"{s}_plucked", "min": -20, "max": 20, "release_n": number(p[f"release_{s}"])})
+        keys.append({"first": lows[i] - (2 if s == "e2" else 0), "last": lows[i + 1] - 1 if i + 1 < len(names) else lows[i] + 19,
+                     "event": f"pluck_finger_{s}", "tuned_key": lows[i], "string": s})
+    return bodies, places, links, controls, keys
+
+
+def guitar(p, names=tuple(STRINGS)):
+    bodies, places, links, controls, keys = six_strings(p, names, STRINGS, SHARP)
     table = modes()
     bodies.append({"name": "top", "modes": [{"frequency_hz": number(f, 5), "decay_per_s": number(decay * p["decay"]),
                                              "mass_kg": number(mass * (1 if f == 170 else p["low_mass"] if f <= 1230 else p["high_mass"]))} for f, decay, mass, _, _ in table]})
@@ -118,16 +157,36 @@ def guitar(p, names=tuple(STRINGS)):
                {"name": "heard", "body": "top", "shapes": [number(sign * heard(p, f)) for f, _, _, _, sign in table]}]
     springs = [{"name": "cavity", "between": ["inwards", "air"], "stiffness_n_per_m": 25210}, {"name": "hole", "between": ["air", "ground"], "resistance_n_s_per_m": 1.25}]
     controls += [{"name": "cavity", "stiffness_n_per_m": "cavity", "max": 100000}, {"name": "hand", "damping_per_s": list(names), "max": 1000}]
-    lows = [STRINGS[s][0] for s in names]
-    for i, s in enumerate(names):
-        keys.append({"first": lows[i] - (2 if s == "e2" else 0), "last": lows[i + 1] - 1 if i + 1 < len(names) else lows[i] + 19,
-                     "event": f"pluck_finger_{s}", "tuned_key": lows[i], "string": s})
     return {"name": "classical_guitar", "description": "six nylon strings on a guitar body", "bodies": bodies, "places": places,
             "springs": springs, "links": links, "controls": controls,
             "outputs": [{"name": "body", "velocity_m_per_s": ["heard", "air"], "full_scale": 0.9},
                         {"name": "bridge", "force_n": [f"{s}_bridge" for s in names], "full_scale": 20}],
             "input": {"force_n": "saddle", "full_scale": 10}, "keys": keys, "polyphony": 2,
             "damper": {"bodies": list(names), "damping_per_s": 30}}
+
+
+def steel_modes():
+    """Frequency, decay, mass, shape at the bridge and pickup shape of the modes of guitar_body."""
+    return [(mode["frequency_hz"], mode["decay_per_s"], mode["mass_kg"], mode["strike_shape"], mode["pickup_shape"])
+            for mode in json_of(Path(__file__).parents[2] / "data/resonators/guitar_body.json")["modes"]]
+
+
+def steel_heard(p, f, shape):
+    return shape * (p[f"heard_{f}"] if f"heard_{f}" in p else np.exp(np.interp(np.log(f), np.log(STEEL_KNOTS), [np.log(p[f"heard_{k}"]) for k in STEEL_KNOTS])))
+
+
+def steel_guitar(p, names=tuple(STEEL_STRINGS)):
+    bodies, places, links, controls, keys = six_strings(p, names, STEEL_STRINGS, STEEL_SHARP)
+    table = steel_modes()
+    half = len(names) // 2  # of the strings, drawn above the body
+    bodies.insert(half, {"name": "body", "modes": [{"frequency_hz": f, "decay_per_s": number(decay * p["decay"]),
+                                                   "mass_kg": number(mass * p["low_mass" if f < 600 else "high_mass"])} for f, decay, mass, *_ in table]})
+    places += [{"name": "saddle", "body": "body", "shapes": [shape for *_, shape, _ in table]},
+               {"name": "heard", "body": "body", "shapes": [number(steel_heard(p, f, shape)) for f, *_, shape in table]}]
+    controls.append({"name": "hand", "damping_per_s": list(names), "max": 1000})
+    return {"name": "steel_guitar", "description": "six steel strings on a guitar body", "bodies": bodies, "places": places, "links": links, "controls": controls,
+            "outputs": [{"name": "body", "velocity_m_per_s": "heard", "full_scale": 0.11}, {"name": "bridge", "force_n": [f"{s}_bridge" for s in names], "full_scale": 25}],
+            "input": {"force_n": "saddle", "full_scale": 10}, "keys": keys, "polyphony": 2, "damper": {"bodies": list(names), "damping_per_s": 30}}
 
 
 def fret_guitar(p, _=None):
@@ -162,7 +221,11 @@ GUITARS = {
                          "compared": [40, 42, 43, 45, 47, 48, 50, 52, 53, 54, 55, 56, 57, 58, 59, 61, 63, 64, 66, 67, 68, 71, 74]},
     "fret_guitar": {"of": fret_guitar, "strings": {key: () for key in (40, 50, 55, 64)}, "usual": FRET_USUAL, "begin": FRET_BEGIN, "ranges": FRET_RANGES,
                     "about": FRET_HEADER, "events": [{"time_s": 0, "fret_gap_shift_m": 0.005}], "velocity": 1, "inharmonicity": INHARMONICITY, "seconds": 1.2, "top": 10000, "tops": {}, "prior": 0.05, "loudness": 0,
-                    "compared": []}}
+                    "compared": []},
+    "steel_guitar": {"of": steel_guitar, "strings": {of[0]: (name,) for name, of in STEEL_STRINGS.items()}, "usual": STEEL_USUAL, "begin": STEEL_BEGIN,
+                     "ranges": {**RANGES, "constant": (0.05, 4), "low_mass": (0.4, 10), "heard": (0.02, 50)}, "about": STEEL_HEADER, "events": [], "velocity": 1, "inharmonicity": {of[0]: of[3] for of in STEEL_STRINGS.values()},
+                     "seconds": 1.8, "top": 12000, "tops": {}, "prior": 0.5, "loudness": 1,
+                     "compared": [40, 42, 43, 45, 47, 48, 50, 52, 53, 54, 55, 56, 57, 58, 59, 61, 63, 64, 66, 67, 68, 71, 74]}}
 
 
 if __name__ == "__main__":

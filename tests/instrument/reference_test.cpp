@@ -49,6 +49,7 @@ const std::map<std::string, Excitation> kExcitations = {
     {"prepared_piano", {"prepared_notes", "under_bolt", 110, 1e-6}},
     {"slap_bass", {"slap_line", "pickup", 2205, 1}},
     {"snare", {"snare_roll", "pickup", 110, 1e-4}},
+    {"steel_guitar", {R"({ "time_s": 0.1, "finger_d3_release_n": 3 })", "saddle", 2205, 1}},
     {"tanpura", {"tanpura_drone", "finger", 2205, 1e-4}},
     {"tom", {"tom_pattern", "pickup", 2205, 1e-3}},
     {"trichord_c4", {"trichord_blows", "bridge_middle", 2205, 1}}};

@@ -230,12 +230,12 @@ struct Crossing : PotentialWalk<T, Table> {
     const auto step = step_coefficients(math, distance, xi * gain, xi * entry_force, remaining, xi * c);
     // b, p and q count along the motion, and q is that of the force itself. The root of the discriminant is |x| times
     // the slope of h there.
-    const T a = 1 + xi * c, sign = T(2 * up - 1), b = sign * step.b, p = sign * step.p;
+    const T lead = 1 + xi * c, sign = T(2 * up - 1), b = sign * step.b, p = sign * step.p;
     const T q = sign * force_coefficient(math, gain, entry_force, remaining, c);
     const T root = distance != 0 ? std::sqrt(std::abs(step.discriminant)) : std::abs(b);  // may be too small a square
     const T b_and_root = root + std::abs(b), p_and_root = root + std::abs(p);
-    const T s = (b <= 0 ? b_and_root : -2 * sign * step.g) / (b <= 0 ? 2 * sign * a : b_and_root);
-    const T f = (p <= 0 ? p_and_root : 2 * q) / (p <= 0 ? 2 * xi * a : p_and_root);
+    const T s = (b <= 0 ? b_and_root : -2 * sign * step.g) / (b <= 0 ? 2 * sign * lead : b_and_root);
+    const T f = (p <= 0 ? p_and_root : 2 * q) / (p <= 0 ? 2 * xi * lead : p_and_root);
     const T y = origin + s;
     return {(std::max)(T(0), f), y, relocate_segment(table, last, y)};
   }

@@ -5,7 +5,7 @@
 // order. No include guard.
 
 /// Two quadratics with one discriminant, in displacements [m]. The distance s beyond the knot is a root of
-/// a s^2 + b s + g, the force displacement m = xi f a root of a m^2 - p m + q, with a = 1 + stiffness.
+/// lead s^2 + b s + g, the force displacement m = xi f a root of lead m^2 - p m + q, with lead = 1 + stiffness.
 template <typename V>
 struct StepCoefficients {
   V b, g, p, q, discriminant;
@@ -32,6 +32,6 @@ CONTACTSPLINE_STEP_INLINE StepCoefficients<V> step_coefficients(Arithmetic math,
   const V g = math.neg_mul_add(distance, remaining, work);
   const V p = math.mul_add(slope, remaining, entry);
   const V q = force_coefficient(math, work, force_displacement, remaining, stiffness);
-  const V discriminant = math.neg_mul_add(math.mul_add(two, slope, two), g, math.mul(b, b));  // b^2 - 4 a g
+  const V discriminant = math.neg_mul_add(math.mul_add(two, slope, two), g, math.mul(b, b));  // b^2 - 4 lead g
   return {b, g, p, q, discriminant};
 }
