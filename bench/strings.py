@@ -13,6 +13,7 @@ A kind of instrument is a dict:
     seconds, top    how long, and up to which frequency [Hz]; `tops`: of single keys
     prior           how much a distance from the usual number counts
     loudness        how much a decibel of it counts, between the keys that are `compared`
+    sound           if there, makes the sound of a file, a key and seconds, in place of the program
 
 What is made small is, for each note,
 
@@ -21,10 +22,6 @@ What is made small is, for each note,
     differences of the levels of partials 1 to 20 over 0.7 s, less their median
     logarithms of the ratios of the decays of these partials from 40 to 500 ms
 """
-import json
-import os
-import subprocess
-import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
 from pathlib import Path
@@ -33,7 +30,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.signal import fftconvolve
 
-from notes import GAIN, RATE, from_onset, loudness, mel, read, recorded, rounded, text_of
+from notes import RATE, from_onset, loudness, mel, named, recorded, rendered, rounded, text_of
 
 LEVELS, DECAYS = 1.5, 3.5  # how much a decibel of a partial and an octave of its decay count beside a decibel of the spectrograms
 FAR = 4  # differences of partials beyond these decibels count by their size, not by its square
@@ -42,21 +39,6 @@ FAR = 4  # differences of partials beyond these decibels count by their size, no
 def number(x, digits=3):
     x = rounded(x, digits)
     return int(x) if x == int(x) else x
-
-
-def rendered(program, of, file, key, *options):
-    """A note. file: a dict or a path; options: of `render`."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = file
-        if isinstance(file, dict):
-            path = f"{folder}/instrument.json"
-            Path(path).write_text(text_of(file), encoding="utf-8")
-        score = {"instrument": os.path.abspath(path), "duration_s": of["seconds"] + 0.1,
-                 "events": [*of["events"], {"time_s": 0.05, "key": key, "velocity": of["velocity"]}]}
-        Path(f"{folder}/score.json").write_text(json.dumps(score), encoding="utf-8")
-        subprocess.run([program, "render", f"{folder}/score.json", "--no-figure", "--gain", GAIN, *options, "-o", f"{folder}/note.wav"], check=True,
-                       capture_output=True)
-        return read(f"{folder}/note.wav")
 
 
 class Note:
@@ -165,14 +147,19 @@ def fit(program, of, folder, path):
     def numbers(x):
         return dict(zip(names, np.where(is_ratio, np.exp(np.where(is_ratio, x, 0)), x)))
 
+    def sound(x, key, seconds):
+        if "sound" in of:
+            return of["sound"](of["of"](numbers(x)), key, seconds)
+        open_key = max(open_key for open_key in of["strings"] if open_key <= key)
+        return rendered(program, {**of, "seconds": seconds}, of["of"](numbers(x), of["strings"][open_key]), key)
+
     def of_key(job):
         x, key = job
-        return Note(rendered(program, of, of["of"](numbers(x), of["strings"][key]), key), key, of)
+        return Note(sound(x, key, of["seconds"]), key, of)
 
     def loudness_of_key(job):
         x, key = job
-        open_key = max(open_key for open_key in of["strings"] if open_key <= key)
-        return loudness(rendered(program, {**of, "seconds": 0.6}, of["of"](numbers(x), of["strings"][open_key]), key))
+        return loudness(sound(x, key, 0.6))
 
     def all_at(places):
         with ThreadPoolExecutor(2) as pool:
@@ -214,5 +201,5 @@ def shown(ours, folders, of):
 
 def distance(program, kinds, path, *folders):
     """kinds: by the name of the file."""
-    of = kinds[json.loads("\n".join(line for line in Path(path).read_text(encoding="utf-8").splitlines() if not line.startswith("//")))["name"]]
+    of = named(path, kinds)
     shown({key: Note(rendered(program, of, path, key), key, of) for key in of["inharmonicity"]}, folders, of)

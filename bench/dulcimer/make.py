@@ -25,8 +25,8 @@ from scipy.optimize import least_squares
 from scipy.signal import lfilter
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from notes import RATE, a_weighting, mel_bank, onset, text_of, windows
-from strings import LEVELS, Note, distance, notes_of, number, rendered, residuals, robust
+from notes import RATE, a_weighting, mel_bank, onset, rendered, text_of, windows
+from strings import LEVELS, Note, distance, notes_of, number, residuals, robust
 
 COURSES = {"e4": (60, 64, 68, 40), "cs5": (69, 73, 77, 26), "as5": (78, 82, 86, 17)}  # first key, that of the file, last, modes of a string
 SHARP = {"e4": 5.5, "cs5": 6, "as5": 15.6}  # cents, as rendered: few modes make the support at the bridge soft
