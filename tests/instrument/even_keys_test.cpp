@@ -3,37 +3,22 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <ostream>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "contactspline/host/engine.hpp"
 #include "generator/instrument/instrument_reader.hpp"
 #include "generator/support/embedded_files.hpp"
 #include "support/compare.hpp"
+#include "support/loudness.hpp"
 #include "support/measured.hpp"
 
 namespace contactspline::testing {
 namespace {
 
 constexpr double kRate = 44100;
-
-// By the A-weighting of IEC 61672-1: sections of first order, by the bilinear transform.
-void weigh(std::vector<double>& sound) {
-  const std::pair<double, bool> poles[] = {{20.598997, true}, {20.598997, true},  {107.65265, true},
-                                           {737.86223, true}, {12194.217, false}, {12194.217, false}};
-  for (const auto& [pole_hz, is_high] : poles) {
-    const double w = std::tan(std::numbers::pi * pole_hz / kRate), gain = (is_high ? 1 : w) / (1 + w);
-    double before = 0, weighted = 0;
-    for (double& x : sound) {
-      weighted = gain * (is_high ? x - before : x + before) + (1 - w) / (1 + w) * weighted;
-      before = std::exchange(x, weighted);
-    }
-  }
-}
 
 double decibels(const std::vector<double>& sound, double begin_s, double end_s) {
   double energy = 0;
@@ -53,7 +38,7 @@ Heard heard(AnyInstrument<double>& instrument, int key) {
   std::vector<std::span<double>> outputs(instrument.outputs().size());
   outputs[0] = sound;
   instrument.process(outputs, {});
-  weigh(sound);
+  weigh(sound, kRate);
   return {decibels(sound, 0, 0.6), decibels(sound, 0.1, 0.35) - decibels(sound, 0.35, 0.6)};
 }
 
