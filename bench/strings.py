@@ -27,12 +27,12 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from scipy.optimize import least_squares
 from scipy.signal import fftconvolve
 
 from notes import RATE, from_onset, loudness, mel, named, recorded, rendered, rounded, text_of
 
 LEVELS, DECAYS = 1.5, 3.5  # how much a decibel of a partial and an octave of its decay count beside a decibel of the spectrograms
+DAMPINGS, ENOUGH = (0.03, 0.1, 0.3, 1, 3, 10), 0.002  # of the steps of a search, which ends at one that gains less than this part
 FAR = 4  # differences of partials beyond these decibels count by their size, not by its square
 
 
@@ -173,16 +173,20 @@ def fit(program, of, folder, path):
                                         + [of["loudness"] * robust(apart), of["prior"] * (x - usual)]))
         return found
 
-    def slopes(offset):
-        x = begin + offset
+    x = begin
+    while True:
         signed = np.where(x + steps > high, -steps, steps)
         here, *beside = all_at([x] + list(x + np.diag(signed)))
-        print(f"{np.sum(here ** 2):.3f}", {name: rounded(value, 3) for name, value in numbers(x).items()}, flush=True)
-        return np.array([(there - here) / step for there, step in zip(beside, signed)]).T
-
-    best = least_squares(lambda offset: all_at([begin + offset])[0], np.zeros(len(begin)), slopes, bounds=(low - begin, high - begin),
-                         x_scale=5 * steps, max_nfev=10, ftol=1e-3)  # from 0 on, so that the first step is small
-    Path(path).write_text(of["about"] + text_of(of["of"](numbers(begin + best.x), sum(of["strings"].values(), ()))), encoding="utf-8")
+        cost = np.sum(here ** 2)
+        print(f"{cost:.3f}", {name: rounded(value, 3) for name, value in numbers(x).items()}, flush=True)
+        slopes = np.array([there - here for there in beside]).T * np.sign(signed)
+        places = [np.clip(x - steps * np.linalg.solve(slopes.T @ slopes + damping * np.eye(len(x)), slopes.T @ here), low, high) for damping in DAMPINGS]
+        costs = [np.sum(there ** 2) for there in all_at(places)]
+        if min(costs) < cost:
+            x = places[np.argmin(costs)]
+        if min(costs) > (1 - ENOUGH) * cost:
+            break
+    Path(path).write_text(of["about"] + text_of(of["of"](numbers(x), sum(of["strings"].values(), ()))), encoding="utf-8")
 
 
 def shown(ours, folders, of):
