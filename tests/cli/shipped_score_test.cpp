@@ -129,7 +129,7 @@ TEST_P(ShippedScore, Plays) {
     EXPECT_LT(sound.peak(), 1);
     EXPECT_TRUE(within(loudness, -30, 1.5));
   }
-  const std::ptrdiff_t half_second = 22050 * sound.channels;
+  const std::ptrdiff_t half_second = std::ptrdiff_t{22050} * sound.channels;
   const std::ptrdiff_t stretches = std::ssize(sound.samples) / half_second;
   EXPECT_TRUE(within(static_cast<double>(stretches), 24, 5));
   for (std::ptrdiff_t i = 0; i < stretches; ++i) {
