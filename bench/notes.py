@@ -4,6 +4,9 @@ import glob
 import json
 import os
 import re
+import subprocess
+import tempfile
+from pathlib import Path
 
 import numpy as np
 from scipy.io import wavfile
@@ -82,3 +85,23 @@ def text_of(file):
     text = "{\n" + ",\n".join(lines) + "\n}\n"
     text = re.sub(r' ?(\{"frequency_hz)', r"\n        \1", text)
     return re.sub(r"\{(?=\S)", "{ ", re.sub(r"(?<=\S)\}", " }", text))
+
+
+def rendered(program, of, file, key, *options):
+    """A note. of: its `seconds` and `velocity`, and `events` before it; file: a dict or a path; options: of `render`."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = file
+        if isinstance(file, dict):
+            path = f"{folder}/instrument.json"
+            Path(path).write_text(text_of(file), encoding="utf-8")
+        score = {"instrument": os.path.abspath(path), "duration_s": of["seconds"] + 0.1,
+                 "events": [*of["events"], {"time_s": 0.05, "key": key, "velocity": of["velocity"]}]}
+        Path(f"{folder}/score.json").write_text(json.dumps(score), encoding="utf-8")
+        subprocess.run([program, "render", f"{folder}/score.json", "--no-figure", "--gain", GAIN, *options, "-o", f"{folder}/note.wav"], check=True,
+                       capture_output=True)
+        return read(f"{folder}/note.wav")
+
+
+def named(path, kinds):
+    """What `kinds` says of an instrument file, by its name."""
+    return kinds[json.loads("\n".join(line for line in Path(path).read_text(encoding="utf-8").splitlines() if not line.startswith("//")))["name"]]

@@ -13,6 +13,7 @@ A kind of instrument is a dict:
     seconds, top    how long, and up to which frequency [Hz]; `tops`: of single keys
     prior           how much a distance from the usual number counts
     loudness        how much a decibel of it counts, between the keys that are `compared`
+    sound           if there, makes the sound of a file, a key and seconds, in place of the program
 
 What is made small is, for each note,
 
@@ -21,42 +22,23 @@ What is made small is, for each note,
     differences of the levels of partials 1 to 20 over 0.7 s, less their median
     logarithms of the ratios of the decays of these partials from 40 to 500 ms
 """
-import json
-import os
-import subprocess
-import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from scipy.optimize import least_squares
 from scipy.signal import fftconvolve
 
-from notes import GAIN, RATE, from_onset, loudness, mel, read, recorded, rounded, text_of
+from notes import RATE, from_onset, loudness, mel, named, recorded, rendered, rounded, text_of
 
 LEVELS, DECAYS = 1.5, 3.5  # how much a decibel of a partial and an octave of its decay count beside a decibel of the spectrograms
+DAMPINGS, ENOUGH = (0.03, 0.1, 0.3, 1, 3, 10), 0.002  # of the steps of a search, which ends at one that gains less than this part
 FAR = 4  # differences of partials beyond these decibels count by their size, not by its square
 
 
 def number(x, digits=3):
     x = rounded(x, digits)
     return int(x) if x == int(x) else x
-
-
-def rendered(program, of, file, key, *options):
-    """A note. file: a dict or a path; options: of `render`."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = file
-        if isinstance(file, dict):
-            path = f"{folder}/instrument.json"
-            Path(path).write_text(text_of(file), encoding="utf-8")
-        score = {"instrument": os.path.abspath(path), "duration_s": of["seconds"] + 0.1,
-                 "events": [*of["events"], {"time_s": 0.05, "key": key, "velocity": of["velocity"]}]}
-        Path(f"{folder}/score.json").write_text(json.dumps(score), encoding="utf-8")
-        subprocess.run([program, "render", f"{folder}/score.json", "--no-figure", "--gain", GAIN, *options, "-o", f"{folder}/note.wav"], check=True,
-                       capture_output=True)
-        return read(f"{folder}/note.wav")
 
 
 class Note:
@@ -165,14 +147,19 @@ def fit(program, of, folder, path):
     def numbers(x):
         return dict(zip(names, np.where(is_ratio, np.exp(np.where(is_ratio, x, 0)), x)))
 
+    def sound(x, key, seconds):
+        if "sound" in of:
+            return of["sound"](of["of"](numbers(x)), key, seconds)
+        open_key = max(open_key for open_key in of["strings"] if open_key <= key)
+        return rendered(program, {**of, "seconds": seconds}, of["of"](numbers(x), of["strings"][open_key]), key)
+
     def of_key(job):
         x, key = job
-        return Note(rendered(program, of, of["of"](numbers(x), of["strings"][key]), key), key, of)
+        return Note(sound(x, key, of["seconds"]), key, of)
 
     def loudness_of_key(job):
         x, key = job
-        open_key = max(open_key for open_key in of["strings"] if open_key <= key)
-        return loudness(rendered(program, {**of, "seconds": 0.6}, of["of"](numbers(x), of["strings"][open_key]), key))
+        return loudness(sound(x, key, 0.6))
 
     def all_at(places):
         with ThreadPoolExecutor(2) as pool:
@@ -186,16 +173,20 @@ def fit(program, of, folder, path):
                                         + [of["loudness"] * robust(apart), of["prior"] * (x - usual)]))
         return found
 
-    def slopes(offset):
-        x = begin + offset
+    x = begin
+    while True:
         signed = np.where(x + steps > high, -steps, steps)
         here, *beside = all_at([x] + list(x + np.diag(signed)))
-        print(f"{np.sum(here ** 2):.3f}", {name: rounded(value, 3) for name, value in numbers(x).items()}, flush=True)
-        return np.array([(there - here) / step for there, step in zip(beside, signed)]).T
-
-    best = least_squares(lambda offset: all_at([begin + offset])[0], np.zeros(len(begin)), slopes, bounds=(low - begin, high - begin),
-                         x_scale=5 * steps, max_nfev=10, ftol=1e-3)  # from 0 on, so that the first step is small
-    Path(path).write_text(of["about"] + text_of(of["of"](numbers(begin + best.x), sum(of["strings"].values(), ()))), encoding="utf-8")
+        cost = np.sum(here ** 2)
+        print(f"{cost:.3f}", {name: rounded(value, 3) for name, value in numbers(x).items()}, flush=True)
+        slopes = np.array([there - here for there in beside]).T * np.sign(signed)
+        places = [np.clip(x - steps * np.linalg.solve(slopes.T @ slopes + damping * np.eye(len(x)), slopes.T @ here), low, high) for damping in DAMPINGS]
+        costs = [np.sum(there ** 2) for there in all_at(places)]
+        if min(costs) < cost:
+            x = places[np.argmin(costs)]
+        if min(costs) > (1 - ENOUGH) * cost:
+            break
+    Path(path).write_text(of["about"] + text_of(of["of"](numbers(x), sum(of["strings"].values(), ()))), encoding="utf-8")
 
 
 def shown(ours, folders, of):
@@ -214,5 +205,5 @@ def shown(ours, folders, of):
 
 def distance(program, kinds, path, *folders):
     """kinds: by the name of the file."""
-    of = kinds[json.loads("\n".join(line for line in Path(path).read_text(encoding="utf-8").splitlines() if not line.startswith("//")))["name"]]
+    of = named(path, kinds)
     shown({key: Note(rendered(program, of, path, key), key, of) for key in of["inharmonicity"]}, folders, of)

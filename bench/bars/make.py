@@ -4,9 +4,10 @@
 
     make.py write marimba|kalimba FILE
     make.py fit PROGRAM marimba|kalimba RECORDINGS      # prints numbers, which stand below
+    make.py distance PROGRAM FILE FITTED KEPT
 
-PROGRAM is contactspline. RECORDINGS/KEY.wav are notes of FluidR3 GM (fluid-soundfont-gm, MIT) at 44.1 kHz, under their keys of
-MIDI: of its Marimba C3, C4, C5 and C6, of its Kalimba F4, A4 and F5. `fit` searches by least squares from the numbers below: small are
+PROGRAM is contactspline. RECORDINGS, FITTED and KEPT hold SOURCE/KEY.wav, single notes at 44.1 kHz under their keys of MIDI. Fitted
+are notes of FluidR3 GM (fluid-soundfont-gm, MIT): of its Marimba C3, C4, C5 and C6, of its Kalimba F4, A4 and F5. `fit` searches by least squares from the numbers below: small are
 made, for each note,
 
     differences of log-mel spectrograms: 48 bands from 60 Hz to 12 kHz, each note of the same A-weighted loudness, down to 60 dB
@@ -19,11 +20,11 @@ made, for each note,
 All notes are fitted together, by numbers whose logarithms are polynomials of the key, so that they change smoothly from key to key.
 
 Kept: F#4 and F#5 of Marimba, whose notes are one at several speeds, C4 of 19-marimba of scratch-vm (npm); C6 of Kalimba.
+
+`distance` prints, for each source, the means over its notes of the differences of log-mel spectrograms and of what is compared
+beside them, and how loud each note is, less the mean of the source [dB(A)].
 """
-import json
-import subprocess
 import sys
-import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -32,7 +33,7 @@ from scipy.optimize import brentq, least_squares
 from scipy.signal import fftconvolve
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from notes import GAIN, RATE, from_onset, loudness, mel, read, rounded, text_of
+from notes import RATE, from_onset, loudness, mel, named, recorded, rendered, rounded, text_of
 
 MARIMBA = """\
 // Marimba of C3 to C6: six bars, each with its tube and its mallet, of which keys tune one to half an octave. Bars as usual, 0.33 m and
@@ -166,9 +167,9 @@ def kalimba(numbers=KALIMBA_NUMBERS, sharp=FLAT):
 
 # Of each: its file, the numbers that are searched, the seconds and notes that are fitted, what is compared beside spectrograms, and the
 # keys whose loudness and whose overtones are.
-KINDS = {"marimba": {"about": MARIMBA, "file": marimba, "numbers": MARIMBA_NUMBERS, "sharp": SHARP, "keys": BARS, "seconds": 0.8, "notes": (48, 60, 72, 84),
+KINDS = {"marimba": {"about": MARIMBA, "file": marimba, "numbers": MARIMBA_NUMBERS, "sharp": SHARP, "keys": BARS, "events": [], "velocity": 0.5, "seconds": 0.8, "notes": (48, 60, 72, 84),
                      "beside": "rise", "even": (48, 53, 54, 59, 60, 65, 66, 71, 72, 77, 78, 84), "bright": ()},
-         "kalimba": {"about": KALIMBA, "file": kalimba, "numbers": KALIMBA_NUMBERS, "sharp": FLAT, "keys": TINES, "seconds": 0.3, "notes": (65, 69, 77),
+         "kalimba": {"about": KALIMBA, "file": kalimba, "numbers": KALIMBA_NUMBERS, "sharp": FLAT, "keys": TINES, "events": [], "velocity": 0.5, "seconds": 0.3, "notes": (65, 69, 77),
                      "beside": "overtone", "even": (*range(60, 87, 2), 71, 87, 88), "bright": (60, 61, 62, 63, 64, 67, 71, 73)}}
 
 
@@ -199,18 +200,13 @@ class Note:
         return np.maximum(self.mel - self.loudness + recording.loudness, floor) - np.maximum(recording.mel, floor)
 
 
-def rendered(program, file, key, seconds):
-    with tempfile.TemporaryDirectory() as folder:
-        Path(f"{folder}/file.json").write_text(text_of(file), encoding="utf-8")
-        score = {"instrument": "file.json", "duration_s": seconds + 0.1, "events": [{"time_s": 0.05, "key": key, "velocity": 0.5}]}
-        Path(f"{folder}/score.json").write_text(json.dumps(score), encoding="utf-8")
-        subprocess.run([program, "render", f"{folder}/score.json", "--no-figure", "--gain", GAIN, "-o", f"{folder}/note.wav"], check=True, capture_output=True)
-        return read(f"{folder}/note.wav")
+def notes_of(folder, seconds):
+    return {(source, int(key)): Note(sound, int(key), seconds) for (source, key), sound in recorded(folder).items()}
 
 
 def fit(program, kind, folder):
     of = KINDS[kind]
-    recordings = {key: Note(read(f"{folder}/{key}.wav"), key, of["seconds"]) for key in of["notes"]}
+    recordings = {key: note for (_, key), note in notes_of(folder, of["seconds"]).items() if key in of["notes"]}
     ends = np.cumsum([len(coefficients) for coefficients in of["numbers"].values()])[:-1]
     usual = np.concatenate(list(of["numbers"].values()))
     keys = sorted({*of["notes"], *of["even"], *of["bright"]})
@@ -222,7 +218,7 @@ def fit(program, kind, folder):
     def residuals(x):
         file = of["file"](numbers(x))
         with ThreadPoolExecutor(2) as pool:
-            sounds = dict(zip(keys, pool.map(lambda key: rendered(program, file, key, of["seconds"]), keys)))
+            sounds = dict(zip(keys, pool.map(lambda key: rendered(program, of, file, key), keys)))
         notes = {key: Note(sounds[key], key, of["seconds"]) for key in keys}
         found = [PRIOR * (x - usual)]
         for key, recording in recordings.items():
@@ -238,13 +234,26 @@ def fit(program, kind, folder):
     print(found, tuned(program, of, found))
 
 
+def distance(program, path, *folders):
+    of = named(path, KINDS)
+    for name, folder in zip(("fitted", "kept"), folders):
+        theirs = notes_of(folder, of["seconds"])
+        for source in sorted({source for source, _ in theirs}):
+            pairs = [(key, Note(rendered(program, of, path, key), key, of["seconds"]), note) for (at, key), note in theirs.items() if at == source]
+            apart = [vars(ours)[of["beside"]] - vars(note)[of["beside"]] for _, ours, note in pairs]
+            louder = np.array([ours.loudness - note.loudness for _, ours, note in pairs])
+            print(f"{name}, {source}: log-mel {np.mean([np.abs(ours.differences(note)).mean() for _, ours, note in pairs]):.2f} dB, {of['beside']} "
+                  f"{np.mean(np.abs(apart)):.1f} dB; louder than recorded beside the others, by key:",
+                  ", ".join(f"{key} {d:+.1f}" for (key, *_), d in zip(pairs, louder - louder.mean())), "dB(A)")
+
+
 def tuned(program, of, numbers):
     """By how many cents bars and tines would be sharp."""
     sharp = dict(of["sharp"])
     for _ in range(3):
         for name, keys in of["keys"].items():
             hz = 440 * 2 ** ((middle(keys) - 69) / 12)
-            sound = rendered(program, of["file"](numbers, sharp), middle(keys), 1)[RATE // 4:]
+            sound = rendered(program, {**of, "seconds": 1}, of["file"](numbers, sharp), middle(keys))[RATE // 4:]
             f = np.fft.rfftfreq(1 << 19, 1 / RATE)
             near = (f > 0.95 * hz) & (f < 1.05 * hz)
             heard = f[near][np.argmax(np.abs(np.fft.rfft(sound * np.hanning(len(sound)), 1 << 19))[near])]
@@ -258,5 +267,7 @@ if __name__ == "__main__":
         Path(sys.argv[3]).write_text(about + text_of(file()), encoding="utf-8")
     elif len(sys.argv) == 5 and sys.argv[1] == "fit" and sys.argv[3] in KINDS:
         fit(*sys.argv[2:])
+    elif len(sys.argv) == 6 and sys.argv[1] == "distance":
+        distance(*sys.argv[2:])
     else:
         sys.exit(__doc__)

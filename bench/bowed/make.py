@@ -11,13 +11,13 @@ PROGRAM is contactspline. RECORDINGS holds SOURCE/KEY.wav, notes that are held, 
    impedance and 5.5 times the frequencies, at each key, quality 30; a bow of POINTS over HAIR_M, 0.12 of the length from the bridge, with a force
    over speed of 4.8 to 12 times the impedance: the lower half of the range, in dB, over which bench/bowing found Helmholtz motion on
    the violin's D string with assumed losses;
-2. body: the low modes of INSTRUMENTS, and above them modes at equal ratios of frequency, SPACING, with the loss factor LOSS.
-   They are those of a plate whose single resonances nobody hears. Their masses give each the ADMITTANCE at its resonance;
+2. body: the low modes of INSTRUMENTS, and above them modes at equal ratios of frequency, `spacing`, with the factor `loss`.
+   They are those of a plate whose single resonances nobody hears: on the violin, each as wide as it is far from the next. Their
+   masses give each the `admittance` at its resonance, and both instruments the same mean;
 3. what the body radiates, `wood`: the shapes of these modes with which the levels of partials up to TOP Hz are those of the
    recordings, where the force on the bridge is that of PROGRAM. Least is the sum of squares of the differences in dB of each
    note from its median, robustly (soft L1 beyond 3 dB), of PULL times each mode's level in dB less the mean of its neighbours', and
-   of `even` times how far the loudness of all keys, in dB(A) less the mean, is from a line as steep as that of the recordings. That
-   of the violin is 0: partials of C#4 and of C#6 fall on several modes, which leaves them 13 dB louder than their neighbours.
+   of `even` times how far the loudness of all keys, in dB(A) less the mean, is from a line as steep as that of the recordings.
    Every second note of each source is kept from the fit.
 
 `distance` prints the median and the 90 % limit of the differences of partials 1 to 15 below 10 kHz from each note's median,
@@ -40,14 +40,14 @@ from notes import RATE, a_weighting, read, recorded, rounded, text_of  # noqa: E
 
 BOW, POINTS, HAIR_M = 0.12, 4, 0.01
 ABOVE = 15  # semitones from the highest string up, over which keys tune it
-SPACING, LOSS, ADMITTANCE, TOP, PULL, TRIALS = 1.12, 0.04, 0.015, 12000, 0.3, 6
+TOP, PULL, TRIALS = 12000, 0.3, 6
 INSTRUMENTS = {
     # strings: name, open key, tension [N], bending stiffness [N m^2]. low: frequency [Hz], decay [1/s], mass [kg].
     "violin": {
         "description": "four strings of a violin under a bow", "length_m": 0.325, "behind_m": 0.012,
         "strings": [("g", 55, 46, 6e-5), ("d", 62, 47.7198, 5e-5), ("a", 69, 55, 3e-5), ("e", 76, 76, 4.5e-5)],
-        "low": [(275, 29, 0.6), (405, 30, 0.5), (455, 35, 0.2), (540, 42, 0.15), (700, 55, 0.4), (850, 70, 0.35), (1010, 80, 0.35)],
-        "from_hz": 1100, "even": 0, "force_n": 0.5, "full_scale": 0.021, "about": """\
+        "low": [(275, 29, 0.6), (405, 30, 0.5), (455, 35, 0.2), (540, 42, 0.15)],
+        "from_hz": 600, "spacing": 1.06, "loss": 0.06, "admittance": 0.005, "even": 3, "force_n": 0.5, "full_scale": 0.01, "about": """\
 // A violin under four points of hair of a rigid bow. The D string has the impedance of a steel D string, 0.25 kg/s (Schoonderwaldt,
 // Guettler and Askenfelt, Acta Acustica united with Acustica 94, 2008); the tensions of the others are typical ones. Lowest modes of
 // the body about A0, CBR, B1- and B1+.
@@ -56,7 +56,7 @@ INSTRUMENTS = {
         "description": "four strings of a cello under a bow", "length_m": 0.69, "behind_m": 0.025,
         "strings": [("c", 36, 132, 5e-4), ("g", 43, 134, 4e-4), ("d", 50, 111, 3e-4), ("a", 57, 160, 3e-4)],
         "low": [(60, 10, 3), (102, 13, 2), (145, 16, 1.5), (175, 20, 1.1), (197, 22, 1.1), (240, 25, 1.2), (300, 28, 1)],
-        "from_hz": 350, "even": 1.5, "force_n": 1, "full_scale": 0.02, "about": """\
+        "from_hz": 350, "spacing": 1.12, "loss": 0.04, "admittance": 0.015, "even": 1.5, "force_n": 1, "full_scale": 0.02, "about": """\
 // A cello under four points of hair of a rigid bow. The D string has the tension and the stiffness of Mansour, Woodhouse and Scavone
 // (Acta Acustica united with Acustica 102, 2016); those of the others are typical ones. Lowest modes of the body about A0, CBR, B1-
 // and B1+. Its `wood` is fitted to keys about as loud as their neighbours, too.
@@ -81,9 +81,9 @@ def body_of(kind):
     rows = list(instrument["low"])
     f = instrument["from_hz"]
     while f < TOP:
-        decay = math.pi * f * LOSS
-        rows.append((f, decay, 1 / (2 * decay * ADMITTANCE)))
-        f *= SPACING
+        decay = math.pi * f * instrument["loss"]
+        rows.append((f, decay, 1 / (2 * decay * instrument["admittance"])))
+        f *= instrument["spacing"]
     return rows
 
 

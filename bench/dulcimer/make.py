@@ -9,15 +9,19 @@
 
 PROGRAM is contactspline. RECORDINGS, FITTED and KEPT hold SOURCE/KEY.wav, single notes at 44.1 kHz under their keys of MIDI. `fit`
 searches NUMBERS from where they are, one at a time, by factors: losses of the strings, how far the two of a course are apart, where they
-are struck, hammer and its face, masses and decays of the modes of the board. `heard` searches by least squares how strongly each of
-these modes sounds outside, where neighbours are alike, with the forces on the board that are rendered. In turns they came to where they
-are, from 1 and usual numbers; then the strings that nobody strikes were made ten times as heavy and ten times as loud, by hand, because
-keys were up to 11 cents off. Above 2 kHz the signs of the right side are drawn at random. What is made small is that of bench/strings.py, in `heard` without the decays.
+are struck, hammer and its face, how much stronger it strikes an octave higher and how strongly each course drives the board, masses and
+decays of its modes. `heard` searches by least squares how strongly each of these modes sounds outside, where neighbours are alike, with the
+forces on the board that are rendered. What is made small is that of bench/strings.py, in `heard` without the decays, and EVEN times how
+much louder the keys are than recorded ones, less the mean [dB(A)]. In turns, from 1 and usual numbers on, the searches came to where they
+are; the last were `fit` and `heard`, from 0.7 for each octave and courses that drive the board 1.3 to 0.75 times. Chosen, not fitted:
+strings that nobody strikes are in tune within 2 cents and weigh 200 kg in the table, so that they move no key by more than 3 cents; above
+2 kHz the signs of the right side are drawn at random.
 
 Fitted: C4, G4, G5 and C6 of Dulcimer of FluidR3 GM (fluid-soundfont-gm, MIT), each channel as a source. Kept: its C5, and D4, G4, C5,
 G5 and C6 of Dulcimer of freepats (GPL-2 with an exception for music).
 """
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -25,28 +29,31 @@ from scipy.optimize import least_squares
 from scipy.signal import lfilter
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from notes import RATE, a_weighting, mel_bank, onset, text_of, windows
-from strings import LEVELS, Note, distance, notes_of, number, rendered, residuals, robust
+from notes import RATE, a_weighting, loudness, mel_bank, onset, rendered, text_of, windows
+from strings import LEVELS, Note, distance, louder, loudness_apart, notes_of, number, residuals, robust
 
 COURSES = {"e4": (60, 64, 68, 40), "cs5": (69, 73, 77, 26), "as5": (78, 82, 86, 17)}  # first key, that of the file, last, modes of a string
-SHARP = {"e4": 5.5, "cs5": 6, "as5": 15.6}  # cents, as rendered: few modes make the support at the bridge soft
+SHARP = {"e4": 4.2, "cs5": 6, "as5": 15.6}  # cents, as rendered: few modes make the support at the bridge soft
 FITTED = (60, 67, 79, 84)
 ENDS = (60, 84)  # keys between which numbers of strings and hammers go by ratios
 WIRE = 1.2485e-3  # kg/m: steel of 0.45 mm
 BEHIND = 0.03  # of the length: from the bridge to the pin behind it
 WIDE = 2000  # Hz: modes below sound alike to the left and right
 SCALE = [0, 1, 2, 4, 6, 7, 9, 11]  # of D and G major
+KEYS = range(60, 87)
 INHARMONICITY = {60: 1e-4, 62: 2.2e-4, 67: 2.3e-4, 72: 2.2e-4, 79: 1.8e-4, 84: 4.8e-4}  # where partials are looked for
+EVEN = 1  # how much a decibel of a key's loudness counts
 ALIKE = (1.5, 3)  # how much an e-fold between neighbouring modes counts beside a decibel: first less
 HEADER = """\
 // Hammered dulcimer of C4 to D6: three courses of two steel strings of 0.45 mm under a hammer, of which keys tune one over nine semitones.
 // Strings run over a bridge to a pin behind it. The board is a table of modes, one for each 45 Hz up to 900 Hz and one for each 5 % of the
 // frequency above; behind them stand, a mode each, strings of the scales of D and G, which nobody strikes or damps and which ring along.
 // Written by bench/dulcimer/make.py: losses of the strings, how far the two of a course are apart, where they are struck, the mass of the
-// hammer and the stiffness of its face, masses and decays of the modes and how they sound outside are fitted to C4, G4, G5 and C6 of
-// Dulcimer of FluidR3 GM (MIT). Log-mel spectrograms are 3.9 to 6.3 dB from these notes, 5 and 5.8 dB from both channels of its C5 and 7.1 to
-// 9.2 dB from Dulcimer of freepats, which were not fitted; these two are 5.5 to 9.1 dB from each other. Beside each other low keys are up to
-// 8 dB(A) softer and high ones up to 6 dB(A) louder than recorded.
+// hammer, the stiffness of its face and how strongly it strikes each key, how each course drives the board, masses and decays of the modes
+// and how they sound outside are fitted to C4, G4, G5 and C6 of Dulcimer of FluidR3 GM (MIT), and to keys as loud as these. Log-mel
+// spectrograms are 4.3 to 6.9 dB from these notes, 5.4 and 6 dB from both channels of its C5 and 6.3 to 9 dB from Dulcimer of freepats,
+// which were not fitted; these two are 5.5 to 9.1 dB from each other. Steps between keys are up to 3.9 dB(A); C4 is 4 dB(A)
+// softer than recorded beside the others.
 """
 
 
@@ -58,23 +65,22 @@ def modes():
         apart = max(45, 0.05 * f)
         f += apart * random.uniform(0.7, 1.3)
         at.append((number(f, 4), apart))
-    at += [(number(440 * 2 ** ((key - 69) / 12 + random.uniform(-0.005, 0.005)), 5), 0) for key in range(62, 122) if key % 12 in SCALE]
+    at += [(number(440 * 2 ** ((key - 69) / 12 + random.uniform(-0.0017, 0.0017)), 5), 0) for key in range(62, 122) if key % 12 in SCALE]
     found = [(f, apart, random.choice([-1, 1], len(COURSES)) * random.uniform(0.4, 1, len(COURSES)), *random.choice([-1, 1], 2)) for f, apart in at]
     return [(*mode[:4], mode[3] if mode[0] < WIDE else mode[4]) for mode in found if mode[1] or mode[0] < 6000]
 
 
 MODES = modes()
 DECAYS = [200, 800, 2500, 9000]  # Hz
-NUMBERS = {"constant_low": 1.45, "constant_high": 0.305, "quadratic_low": 0.000322, "quadratic_high": 0.000421, "apart_low": 1.98,
-           "apart_high": 2.34, "struck_low": 0.119, "struck_high": 0.185, "weight_low": 10.8, "weight_high": 54.2, "hammer": 0.00579,
-           "mass_low": 3.17, "mass_high": 0.238, "decay_200": 23.1, "decay_800": 171, "decay_2500": 181, "decay_9000": 21, "ringing_low": 3.18,
-           "ringing_high": 4.27}
-HEARD = [0.698, 0.825, 1.17, 1.58, 3.07, 5.2, 4.17, 3.82, 3.26, 2.98, 2.78, 2.68, 2.63, 2.58, 2.68, 3.4, 3.98, 4.63, 5.52, 6.26, 7.53, 6.29, 4.93,
-         3.93, 3.66, 3.55, 3.06, 2.8, 2.36, 1.95, 1.61, 1.48, 1.87, 1.63, 1.5, 1.47, 1.67, 1.37, 1.35, 1.02, 0.745, 0.761, 0.758, 0.565, 0.404, 0.49,
-         0.665, 1.16, 1.16, 1.51, 1.54, 3.69, 2.12, 0.817, 0.475, 0.386, 0.459, 0.664, 0.757, 2.46, 3.85, 1.8, 2.49, 1.69, 1.14, 1.26, 1.42, 2.69,
-         2.52, 5.71, 4.6, 4.62, 5.52, 6.76, 8.99, 13.4, 21.7, 36.4, 60.9, 68.9, 59.4, 98.9, 136, 178, 161, 144, 135, 158, 196, 193, 211, 317, 339,
-         358, 353, 531, 407, 342, 156, 98.6, 77.8, 128, 261, 207]
-
+NUMBERS = {"constant_low": 1.45, "constant_high": 0.305, "quadratic_low": 0.000248, "quadratic_high": 0.000613, "apart_low": 1.77, "apart_high": 2.16,
+           "struck_low": 0.119, "struck_high": 0.185, "weight_low": 10.8, "weight_high": 41.7, "hammer": 0.00579, "stronger": 0.7, "coupled_low":
+           1.46, "coupled_high": 0.871, "mass_low": 5.36, "mass_high": 0.189, "decay_200": 15.9, "decay_800": 171, "decay_2500": 129, "decay_9000":
+           14, "ringing_low": 2.45, "ringing_high": 3.28}
+HEARD = [1.16, 1.56, 2.85, 3.04, 5.08, 7.68, 4.91, 3.78, 4.08, 4.95, 6.67, 6.8, 8.35, 9.12, 7.94, 21.3, 20.6, 12.5, 7.14, 7.16, 13.4, 10.9, 6.62,
+         4.65, 4.55, 5.83, 3.78, 3.32, 2.73, 2.43, 2.45, 2.35, 2.56, 1.82, 1.54, 1.34, 1.23, 1.1, 1.26, 1.08, 0.927, 0.929, 0.928, 0.645, 0.385,
+         0.427, 0.526, 0.839, 0.703, 0.861, 1.27, 1.67, 0.799, 0.6, 0.43, 0.477, 0.809, 0.941, 1.05, 2.04, 2.24, 1.24, 2, 1.11, 0.685, 0.728, 0.891,
+         1.91, 2.62, 4.52, 3.97, 3.97, 4.82, 6.04, 8.29, 12.9, 21, 26.7, 39.6, 44.5, 37.3, 39, 49.7, 66.3, 87.9, 75.9, 83.2, 88.6, 97.5, 79.2, 84.1,
+         105, 164, 277, 237, 302, 208, 175, 94.8, 61.7, 117, 226, 759, 443]
 
 
 def between(p, name, at):
@@ -117,8 +123,8 @@ def dulcimer(p=NUMBERS, heard=HEARD):
                              "gap_m": 0.003})
             links.append({"name": f"{name}_bridge", "between": [f"{name}_over_bridge", f"bridge_{course}"]})
         bodies.insert(-1, {"name": f"{course}_hammer", "mass_kg": number(p["hammer"])})  # drawn between its strings
-        places.append({"name": f"bridge_{course}", "body": "board", "shapes": [number(shapes[i]) for _, _, shapes, _, _ in MODES]})
-        keys.append({"first": first, "last": last, "event": f"strike_{course}_hammer", "tuned_key": key, "bodies": [f"{course}_1", f"{course}_2"]})
+        places.append({"name": f"bridge_{course}", "body": "board", "shapes": [number(between(p, "coupled", at) * shapes[i]) for _, _, shapes, _, _ in MODES]})
+        keys.append({"first": first, "last": last, "event": f"strike_{course}_hammer", "tuned_key": key, "per_octave": number(p["stronger"]), "bodies": [f"{course}_1", f"{course}_2"]})
     bodies.append({"name": "board", "modes": table(p)})
     places += [{"name": side, "body": "board", "shapes": [number(h * mode[sign]) for h, mode in zip(heard, MODES)]} for side, sign in (("left", 3), ("right", 4))]
     strings = [f"{course}_{side}" for course in COURSES for side in ("1", "2")]
@@ -136,11 +142,11 @@ def dulcimer(p=NUMBERS, heard=HEARD):
 DULCIMER = {"events": [], "velocity": 0.7, "inharmonicity": INHARMONICITY, "seconds": 1.2, "top": 12000, "tops": {84: 6000}}
 
 
-def velocities(program, key):
+def velocities(program, key, seconds=DULCIMER["seconds"]):
     """Of the modes of the board in a note, up to one factor."""
     file = dulcimer()
     file["outputs"] = [{"name": f"under_{course}", "force_n": [f"{course}_1_bridge", f"{course}_2_bridge"]} for course in COURSES]
-    forces = [rendered(program, DULCIMER, file, key, "--bits", "32", "--signal", f"under_{course}") for course in COURSES]
+    forces = [rendered(program, {**DULCIMER, "seconds": seconds}, file, key, "--bits", "32", "--signal", f"under_{course}") for course in COURSES]
     found = []
     for mode, (_, _, shapes, _, _) in zip(table(NUMBERS), MODES):
         w, decay = 2 * np.pi * mode["frequency_hz"], mode["decay_per_s"]
@@ -193,15 +199,35 @@ class Parts:
                 np.concatenate([slopes.reshape(len(heard), -1) / np.sqrt(d.size), scale * gain * of_levels], 1).T)
 
 
+def powers(of_modes):
+    """Matrix whose quadratic form of `heard` is the A-weighted power of 0.6 s of a note, as in notes.loudness."""
+    begin = onset(HEARD @ of_modes)
+    spectra = np.fft.rfft(of_modes[:, begin:begin + int(0.6 * RATE)], RATE) * 10 ** (a_weighting(np.fft.rfftfreq(RATE, 1 / RATE)) / 20)
+    return (spectra @ spectra.conj().T).real
+
+
 def search_heard(program, recordings):
     theirs = notes_of(recordings, DULCIMER)
+    expected = louder(theirs)
     signs = np.array([mode[3] for mode in MODES])
+    every = {key: powers(velocities(program, key, 0.6) * signs[:, None]) for key in KEYS}
+    aims = np.interp(KEYS, list(expected), list(expected.values()))
+
+    def apart(x):
+        """How much louder than recorded keys are, less the mean [dB(A)], and slopes."""
+        h = np.exp(x)
+        found = [h @ of @ h for of in every.values()]
+        slopes = np.array([20 / np.log(10) * h * (of @ h) / power for of, power in zip(every.values(), found)])
+        d = 10 * np.log10(found) - aims
+        return d - d.mean(), slopes - slopes.mean(0)
+
     parts = {key: Parts(velocities(program, key), key, signs * HEARD) for key in FITTED}
     pairs = (np.eye(len(MODES), k=1) - np.eye(len(MODES)))[[bool(a[1]) == bool(b[1]) for a, b in zip(MODES, MODES[1:])] + [False]]
     x = np.log(HEARD)
     for alike in ALIKE:
         def found(x):
             both = [parts[key].residuals(signs * np.exp(x), note) for (_, key), note in theirs.items()]
+            both.append(tuple(EVEN * of for of in apart(x)))
             return np.concatenate([d for d, _ in both] + [alike * pairs @ x]), np.concatenate([slopes for _, slopes in both] + [alike * pairs])
 
         best = least_squares(lambda x: found(x)[0], x, lambda x: found(x)[1], max_nfev=20, ftol=1e-3)
@@ -212,16 +238,21 @@ def search_heard(program, recordings):
 
 def search_numbers(program, recordings):
     theirs = notes_of(recordings, DULCIMER)
+    expected = louder(theirs)
     best, p = np.inf, dict(NUMBERS)
 
     def is_better(q):
         nonlocal best, p
         file = dulcimer(q)
         ours = {key: Note(rendered(program, DULCIMER, file, key), key, DULCIMER) for key in FITTED}
+        with ThreadPoolExecutor(2) as pool:
+            levels = dict(zip(KEYS, pool.map(lambda key: loudness(rendered(program, {**DULCIMER, "seconds": 0.6}, file, key)), KEYS)))
         cost = sum((residuals(ours[key], note) ** 2).sum() for (_, key), note in theirs.items())
+        cost += EVEN ** 2 * (loudness_apart(levels, expected) ** 2).sum()
         if cost > best - 0.3:
             return False
         best, p = cost, q
+        print(f"{best:.3f}", p, flush=True)
         return True
 
     is_better(p)
@@ -233,7 +264,6 @@ def search_numbers(program, recordings):
                     is_moved = True
                 if is_moved:
                     break
-    print(f"{best:.3f}")
     return p
 
 

@@ -2,15 +2,19 @@
 # SPDX-License-Identifier: MIT
 """Makes the files of the guitars, with parts that are fitted to recorded notes.
 
+    make.py write classical_guitar|steel_guitar|fret_guitar FILE
     make.py fit PROGRAM classical_guitar|steel_guitar|fret_guitar RECORDINGS FILE
     make.py distance PROGRAM FILE FITTED KEPT
 
 PROGRAM is contactspline. RECORDINGS, FITTED and KEPT hold SOURCE/KEY.wav, single notes of open strings at 44.1 kHz under their
-keys of MIDI. `fit` writes FILE. It searches by least squares from where a search ended: losses, where the strings are plucked, of
-the classical guitar forces of the fingers, masses, decays and shapes of the body's modes and how strongly they sound outside, above 1.3 kHz a curve
-over the frequency; of the steel guitar the same but for the shapes, with a curve from 600 Hz on; of the fret guitar where its magnet is, and how the modes of the amplifier sound. What is made small is that of
-bench/strings.py and, for many keys of both, how much louder they are than the mean of them, less the median of that over the sources
-[dB(A)], between the keys that were recorded on a line. The fret guitar's string is plucked as fast on all keys.
+keys of MIDI. `write` writes FILE from the numbers below, `fit` from those that it finds and prints. It searches by least squares from
+where a search ended: of the classical guitar forces of the fingers, masses, decays and shapes of the body's modes and how strongly they
+sound outside, above 1.3 kHz a curve over the frequency; of the steel guitar losses and where the strings are plucked, too, but no shapes,
+and a curve from 600 Hz on; of the fret guitar losses, where it is plucked and where its magnet is, and how
+the modes of the amplifier sound. What is made small is that of bench/strings.py and, for all keys of the classical guitar and many of the
+steel guitar, how much louder they are than the mean of them, less the median of that over the sources [dB(A)], between the keys that were
+recorded on a line. Notes of the classical guitar are those of linear.py. A decay of up to four times that of a usual body keeps keys
+beside a mode of it as loud as others, and in tune. The fret guitar's string is plucked as fast on all keys.
 
 Fitted: E2, A2, D3, G3, B3 and E4 of Nylon Guitar of FluidR3 GM (fluid-soundfont-gm, MIT) and of tonejs-instrument-guitar-nylon
 (npm; CC-BY 3.0); the same strings of Steel Guitar of FluidR3 GM and of tonejs-instrument-guitar-acoustic (CC-BY 3.0); E2, D3, G3 and E4 of Clean Guitar of FluidR3 GM.
@@ -28,6 +32,8 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
+import linear
+from notes import text_of
 from strings import distance, fit, number
 
 LENGTH, SADDLE = 0.66, 0.648
@@ -45,19 +51,21 @@ SHARP = {"e2": 4, "a2": 6, "d3": 4, "g3": 9, "b3": 8.5, "e4": 10.5}  # cents, as
 LOW = [(170, 17.8, 0.1, 1), (245, 19.2, 0.25, 0.25), (320, 25.1, 0.2, -0.7), (390, 30.6, 0.2, 0.5), (470, 36.9, 0.25, -0.4),
        (560, 39.1, 0.2, 0.6), (680, 47.5, 0.25, -0.5), (830, 57.9, 0.25, 0.45), (1010, 70.5, 0.25, -0.4), (1230, 85.9, 0.3, 0.35)]
 KNOTS = [1300, 1800, 2600, 3700, 5300]  # of the curve [Hz]
-USUAL = {**{f"release_{s}": 4 for s in STRINGS}, **{f"constant_{s}": 0.8 for s in STRINGS}, **{f"quadratic_{s}": 6e-4 for s in STRINGS}, "plucked": 0.16, "low_mass": 1, "high_mass": 1,
-         "decay": 1, **{f"shape_{f}": abs(shape) for f, _, _, shape in LOW}, **{f"heard_{f}": 1 for f in [f for f, *_ in LOW] + KNOTS}}
-# Where a search ended that began at the usual ones. Forces and what is heard are from a second one, by random steps, in which no
-# distance might rise by more than 0.2 dB, of recordings that are kept neither.
-BEGIN = {"release_e2": 4.38, "release_a2": 4.91, "release_d3": 4.36, "release_g3": 2.51, "release_b3": 4.66, "release_e4": 3.73,
-         "constant_e2": 0.527, "constant_a2": 0.239, "constant_d3": 0.596, "constant_g3": 0.272, "constant_b3": 1.83, "constant_e4": 2.65,
-         "quadratic_e2": 0.000263, "quadratic_a2": 0.000437, "quadratic_d3": 0.00039, "quadratic_g3": 0.000925, "quadratic_b3": 0.000668,
-         "quadratic_e4": 0.000254, "plucked": 0.184, "low_mass": 1.04, "high_mass": 1.57, "decay": 1.67, "shape_170": 0.768, "shape_245": 0.14,
-         "shape_320": 0.252, "shape_390": 0.595, "shape_470": 0.239, "shape_560": 0.688, "shape_680": 0.772, "shape_830": 0.301,
-         "shape_1010": 0.469, "shape_1230": 0.737, "heard_170": 2.59, "heard_245": 5.01, "heard_320": 8.73, "heard_390": 7.14, "heard_470": 8.76,
-         "heard_560": 5.12, "heard_680": 5.58, "heard_830": 1.42, "heard_1010": 13.1, "heard_1230": 1.05, "heard_1300": 3.59, "heard_1800": 1.88,
-         "heard_2600": 8.27, "heard_3700": 0.965, "heard_5300": 4.09}
-RANGES = {"release": (2, 8), "constant": (0.2, 4), "quadratic": (1e-5, 5e-3), "plucked": (0.08, 0.3), "low_mass": (0.4, 4), "high_mass": (0.3, 6), "decay": (0.5, 3),
+USUAL = {**{f"release_{s}": 4 for s in STRINGS}, "low_mass": 1, "high_mass": 1,
+         **{f"decay_{f}": 1 for f in [*(f for f, *_ in LOW), "high"]}, **{f"shape_{f}": abs(shape) for f, _, _, shape in LOW}, **{f"heard_{f}": 1 for f in [f for f, *_ in LOW] + KNOTS}}
+# Of the strings: where a search ended that began at usual numbers.
+OF_STRINGS = {"constant_e2": 0.527, "constant_a2": 0.239, "constant_d3": 0.596, "constant_g3": 0.272, "constant_b3": 1.83, "constant_e4": 2.65,
+              "quadratic_e2": 0.000263, "quadratic_a2": 0.000437, "quadratic_d3": 0.00039, "quadratic_g3": 0.000925, "quadratic_b3": 0.000668,
+              "quadratic_e4": 0.000254, "plucked": 0.184}
+# Of fingers and body: where a search of 5 steps was ended.
+BEGIN = {"release_e2": 5.45, "release_a2": 4.83, "release_d3": 4.14, "release_g3": 3.09, "release_b3": 4.49, "release_e4": 4, "low_mass": 0.991,
+         "high_mass": 2.62, "decay_170": 4, "decay_245": 3.77, "decay_320": 4, "decay_390": 4, "decay_470": 4, "decay_560": 4, "decay_680": 4,
+         "decay_830": 1.68, "decay_1010": 3.25, "decay_1230": 1.85, "decay_high": 1.48, "shape_170": 0.673, "shape_245": 0.209, "shape_320": 0.204,
+         "shape_390": 0.625, "shape_470": 0.278, "shape_560": 0.692, "shape_680": 1.21, "shape_830": 0.235, "shape_1010": 0.298, "shape_1230": 0.924,
+         "heard_170": 2.82, "heard_245": 7.95, "heard_320": 13.7, "heard_390": 4.56, "heard_470": 12.8, "heard_560": 6.55, "heard_680": 6.63,
+         "heard_830": 3.81, "heard_1010": 13.9, "heard_1230": 1.42, "heard_1300": 3.83, "heard_1800": 3.21, "heard_2600": 11.8, "heard_3700": 1.01,
+         "heard_5300": 4.52}
+RANGES = {"release": (2, 8), "low_mass": (0.4, 4), "high_mass": (0.3, 6), "decay": (0.5, 4),
           "shape": (0.05, 3), "heard": (0.003, 300)}
 INHARMONICITY = {of[0]: of[3] for of in STRINGS.values()}  # where partials are looked for; those of the fret guitar are near enough
 CONE = [120, 250, 600, 1400, 2800, 5000]  # modes of the amplifier [Hz]
@@ -145,9 +153,9 @@ def six_strings(p, names, table, sharp):
 
 
 def guitar(p, names=tuple(STRINGS)):
-    bodies, places, links, controls, keys = six_strings(p, names, STRINGS, SHARP)
+    bodies, places, links, controls, keys = six_strings({**OF_STRINGS, **p}, names, STRINGS, SHARP)
     table = modes()
-    bodies.append({"name": "top", "modes": [{"frequency_hz": number(f, 5), "decay_per_s": number(decay * p["decay"]),
+    bodies.append({"name": "top", "modes": [{"frequency_hz": number(f, 5), "decay_per_s": number(decay * p.get(f"decay_{f}", p["decay_high"])),
                                              "mass_kg": number(mass * (1 if f == 170 else p["low_mass"] if f <= 1230 else p["high_mass"]))} for f, decay, mass, _, _ in table]})
     bodies.append({"name": "air", "mass_kg": 0.03904})
     half = len(names) // 2  # of the strings, drawn above the body
@@ -217,8 +225,8 @@ def fret_guitar(p, _=None):
 # As bench/strings.py says.
 GUITARS = {
     "classical_guitar": {"of": guitar, "strings": {of[0]: (name,) for name, of in STRINGS.items()}, "usual": USUAL, "begin": BEGIN, "ranges": RANGES,
-                         "about": HEADER, "events": [], "velocity": 1, "inharmonicity": INHARMONICITY, "seconds": 1.8, "top": 12000, "tops": {}, "prior": 0.5, "loudness": 1,
-                         "compared": [40, 42, 43, 45, 47, 48, 50, 52, 53, 54, 55, 56, 57, 58, 59, 61, 63, 64, 66, 67, 68, 71, 74]},
+                         "about": HEADER, "events": [], "velocity": 1, "inharmonicity": INHARMONICITY, "seconds": 1.8, "top": 12000, "tops": {}, "prior": 0.5, "loudness": 2,
+                         "compared": range(38, 84), "sound": linear.note},
     "fret_guitar": {"of": fret_guitar, "strings": {key: () for key in (40, 50, 55, 64)}, "usual": FRET_USUAL, "begin": FRET_BEGIN, "ranges": FRET_RANGES,
                     "about": FRET_HEADER, "events": [{"time_s": 0, "fret_gap_shift_m": 0.005}], "velocity": 1, "inharmonicity": INHARMONICITY, "seconds": 1.2, "top": 10000, "tops": {}, "prior": 0.05, "loudness": 0,
                     "compared": []},
@@ -229,7 +237,10 @@ GUITARS = {
 
 
 if __name__ == "__main__":
-    if len(sys.argv) == 6 and sys.argv[1] == "fit" and sys.argv[3] in GUITARS:
+    if len(sys.argv) == 4 and sys.argv[1] == "write" and sys.argv[2] in GUITARS:
+        kind = GUITARS[sys.argv[2]]
+        Path(sys.argv[3]).write_text(kind["about"] + text_of(kind["of"](kind["begin"])), encoding="utf-8")
+    elif len(sys.argv) == 6 and sys.argv[1] == "fit" and sys.argv[3] in GUITARS:
         fit(sys.argv[2], GUITARS[sys.argv[3]], *sys.argv[4:])
     elif len(sys.argv) == 6 and sys.argv[1] == "distance":
         distance(sys.argv[2], GUITARS, *sys.argv[3:])
