@@ -22,7 +22,7 @@
 
 namespace contactspline::bench {
 
-/// ours: the contact step on a string with the admittances of ModalBank. The others have those with which the schemes
+/// ours: the contact step on a string with the receptances of ModalBank. The others have those with which the schemes
 /// were published; so has our_update, the contact step in place of the reconstruction, which is not in the tables.
 enum class Method { reconstruction, exp3, newton, ours, our_update };
 

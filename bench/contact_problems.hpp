@@ -156,7 +156,7 @@ class QuadratisedEnergy {
       : scheme_(scheme), string_(string), damper_(string.resistance_n_s_per_m * sample_rate_hz / 2) {
     for (const Mode& mode : string.modes) {
       const auto c = contactspline::detail::mode_constants(mode, sample_rate_hz);
-      const double eight = 8 * c.admittance, b = 1 - c.loss;  // 4 C
+      const double eight = 8 * c.receptance, b = 1 - c.loss;  // 4 C
       modes_.push_back({(1 + b) / eight, 2 * c.stiffness / eight, c.loss / eight});
     }
     energy_ = begin_ = stored();

@@ -46,7 +46,7 @@ class OneStepBook {
 };
 
 /// Energy of a two-step scheme between two samples. With u(n+1) = A u(n) - B u(n-1) + C f, A = 2 cos(w dt) exp(-s
-/// dt), B = exp(-2 s dt) and C twice the admittance of ModalBank, multiplied by (u(n+1) - u(n-1))/(2 C): the work of
+/// dt), B = exp(-2 s dt) and C twice the receptance of ModalBank, multiplied by (u(n+1) - u(n-1))/(2 C): the work of
 /// f is the change of ((1 + B)(u(n+1) - u(n))^2 + 2 (1 + B - A) u(n+1) u(n))/(4 C), and (1 - B)(u(n+1) - u(n-1))^2/(4
 /// C) is dissipated.
 template <typename Scheme>
@@ -56,7 +56,7 @@ class TwoStepBook {
       : scheme_(scheme), hammer_kg_(hammer_kg) {
     for (const Mode& mode : modes) {
       const auto c = contactspline::detail::mode_constants(mode, sample_rate_hz);
-      const double four_c = 8 * c.admittance;
+      const double four_c = 8 * c.receptance;
       modes_.push_back({(2 - c.loss) / four_c, 2 * c.stiffness / four_c, c.loss / four_c});
     }
   }

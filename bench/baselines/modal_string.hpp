@@ -13,7 +13,7 @@
 
 namespace contactspline::bench {
 
-/// Modes that have the admittances with which the schemes were published, dt^2 |1 + z|^2/(8 m): the midpoint rule
+/// Modes that have the receptances with which the schemes were published, dt^2 |1 + z|^2/(8 m): the midpoint rule
 /// with the modal mass kept instead of the stiffness (docs/how-it-works/modal.md).
 inline std::vector<Mode> with_mass_kept(std::span<const Mode> modes, double sample_rate_hz) {
   std::vector<Mode> kept(modes.begin(), modes.end());
@@ -81,8 +81,8 @@ template <typename SomeModes>
 
 }  // namespace detail
 
-/// Modes with exact poles z = exp((-decay + j w) dt): q(n+1) - 2 Re z q(n) + |z|^2 q(n-1) = admittance F, with the
-/// admittance of ModalBank. The schemes were published with dt^2 |1 + z|^2/(8 m); the tests give modes such masses.
+/// Modes with exact poles z = exp((-decay + j w) dt): q(n+1) - 2 Re z q(n) + |z|^2 q(n-1) = receptance F, with the
+/// receptance of ModalBank. The schemes were published with dt^2 |1 + z|^2/(8 m); the tests give modes such masses.
 /// F = shape (f + f_last) gives the one-step midpoint rule of ModalBank. F = shape 2 f gives the two-step scheme,
 /// whose force belongs to the sample itself. Without modes it is a rigid barrier.
 template <std::floating_point T>
@@ -96,21 +96,21 @@ class ModalString {
     for (std::size_t i = 0; i < modes.size(); ++i) {
       const auto constants = contactspline::detail::mode_constants(modes[i], sample_rate_hz);
       const bool audible = modes[i].angular_frequency_rad_per_s < std::numbers::pi * sample_rate_hz;  // as ModalBank
-      const double admittance = audible ? constants.admittance : 0;
+      const double receptance = audible ? constants.receptance : 0;
       detail::Modes<T>& mode = modes_[i / kLanes];
       const std::size_t lane = i % kLanes;
       mode.keep[lane] = static_cast<T>(1 - constants.loss);
       mode.pull[lane] = static_cast<T>(constants.stiffness);
-      mode.gain[lane] = static_cast<T>(admittance * strike_shapes[i]);
+      mode.gain[lane] = static_cast<T>(receptance * strike_shapes[i]);
       mode.strike[lane] = static_cast<T>(strike_shapes[i]);
       mode.pickup[lane] = static_cast<T>(pickup_shapes[i]);
-      sum += admittance * strike_shapes[i] * strike_shapes[i];
+      sum += receptance * strike_shapes[i] * strike_shapes[i];
     }
-    admittance_ = static_cast<T>(sum);
+    receptance_ = static_cast<T>(sum);
   }
 
   /// Increment at the place of the strike over the next sample, per unit of F [m/N].
-  [[nodiscard]] T admittance() const { return admittance_; }
+  [[nodiscard]] T receptance() const { return receptance_; }
   /// Increment there over the next sample without force [m].
   [[nodiscard]] T increment() const { return increment_; }
 
@@ -145,7 +145,7 @@ class ModalString {
   static constexpr std::size_t kLanes = detail::Modes<T>::Lanes::size();
 
   std::vector<detail::Modes<T>> modes_;
-  T admittance_ = 0;
+  T receptance_ = 0;
   T increment_ = 0;
 };
 

@@ -82,15 +82,15 @@ class NewtonUpdate {
   /// root is replaced by bisection. Steps may grow where h turns flat, as at the end of a stiff contact. Small ones
   /// shrink until only rounding is left.
   T increment(const Approach<T>& approach) {
-    const T free = approach.free_increment, admittance = approach.admittance;
+    const T free = approach.free_increment, receptance = approach.receptance;
     mean_force_.begin(approach.compression);
     T low = std::numeric_limits<T>::lowest(), high = free;
     T x = std::min(guess_, high), last = std::numeric_limits<T>::max();
     for (int i = 0; i < kMaxIterations; ++i) {
       const auto [mean, slope] = mean_force_.over(x);
-      const T h = x - free + admittance * mean;
+      const T h = x - free + receptance * mean;
       (h > 0 ? high : low) = x;
-      T next = x - h / (1 + admittance * slope);
+      T next = x - h / (1 + receptance * slope);
       const bool inside = next >= low && next <= high;
       if (!inside) next = low / 2 + high / 2;
       const T step = std::abs(next - x);

@@ -76,7 +76,7 @@ class NewtonBow {
     FrictionTemperature<T> surfaces;
     T normal = 0, stiffness = 0, yield = 0, strain = 0;  // of the bristles
     T free = 0, increment = 0, force = 0, slope = 0;
-    T to_bridge = 0, bridge_share = 0;  // admittance to the bridge, force there per newton here
+    T to_bridge = 0, bridge_share = 0;  // receptance to the bridge, force there per newton here
 
     void press(T normal_n) {
       if (normal_n > normal) strain *= normal / normal_n;
@@ -104,10 +104,10 @@ class NewtonBow {
 
   void join_body() {
     bridge_ = {T(bowing::BowedProblem::kBridge_n_per_m), T(bowing::BowedProblem::kBridge_kg_per_s), rate_};
-    const T admittance = string_.admittance(at_bridge_, at_bridge_) + body_.admittance(of_body_, of_body_);
-    bridge_divisor_ = 1 + bridge_.slope() * admittance;
+    const T receptance = string_.receptance(at_bridge_, at_bridge_) + body_.receptance(of_body_, of_body_);
+    bridge_divisor_ = 1 + bridge_.slope() * receptance;
     for (Point& point : points_) {
-      point.to_bridge = string_.admittance(at_bridge_, point.shapes);
+      point.to_bridge = string_.receptance(at_bridge_, point.shapes);
       point.bridge_share = bridge_.slope() * point.to_bridge / bridge_divisor_;
     }
   }
@@ -117,13 +117,13 @@ class NewtonBow {
     const std::size_t n = points_.size();
     for (std::size_t p = 0; p < n; ++p)
       for (std::size_t q = 0; q < n; ++q)
-        admittance_[p][q] = string_.admittance(points_[p].shapes, points_[q].shapes) +
-                            hair_.admittance(points_[p].at_hair, points_[q].at_hair) -
+        receptance_[p][q] = string_.receptance(points_[p].shapes, points_[q].shapes) +
+                            hair_.receptance(points_[p].at_hair, points_[q].at_hair) -
                             points_[p].to_bridge * points_[q].bridge_share;
     for (std::size_t p = 0; p < n; ++p) {
       Vector unit = {};
       unit[p] = 1;
-      inverse_[p] = quotient(admittance_, unit);  // symmetric
+      inverse_[p] = quotient(receptance_, unit);  // symmetric
     }
   }
 
@@ -142,7 +142,7 @@ class NewtonBow {
     for (Point& point : points_) point.follow(point.increment);
     for (std::size_t p = 0; p < points_.size(); ++p) {
       found[p] = points_[p].increment - points_[p].free;
-      for (std::size_t q = 0; q < points_.size(); ++q) found[p] += admittance_[p][q] * points_[q].force;
+      for (std::size_t q = 0; q < points_.size(); ++q) found[p] += receptance_[p][q] * points_[q].force;
       largest = std::max(largest, std::abs(found[p]));
     }
     return largest;
@@ -181,7 +181,7 @@ class NewtonBow {
     Matrix matrix;
     for (std::size_t p = 0; p < points_.size(); ++p)
       for (std::size_t q = 0; q < points_.size(); ++q)
-        matrix[p][q] = T(p == q) + admittance_[p][q] * points_[q].slope;
+        matrix[p][q] = T(p == q) + receptance_[p][q] * points_[q].slope;
     return quotient(matrix, found);
   }
 
@@ -228,7 +228,7 @@ class NewtonBow {
   T rate_, bridge_divisor_ = 1;
   Spring bridge_;
   std::vector<Point> points_;
-  Matrix admittance_ = {}, inverse_ = {};
+  Matrix receptance_ = {}, inverse_ = {};
   double samples_ = 0, iterations_ = 0;
   std::size_t given_up_ = 0;
 };

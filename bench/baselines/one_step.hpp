@@ -26,7 +26,7 @@ class OneStepHammerString {
         update_(std::move(update)),
         time_step_(static_cast<T>(1 / sample_rate_hz)),
         velocity_step_per_force_(static_cast<T>(1 / (sample_rate_hz * sample_rate_hz * hammer_kg))),
-        admittance_(velocity_step_per_force_ / 2 + string_.admittance()) {}
+        receptance_(velocity_step_per_force_ / 2 + string_.receptance()) {}
 
   /// The same with an update that is made from the hammer's law.
   OneStepHammerString(const PowerLawHammer& hammer, std::span<const Mode> modes,
@@ -57,8 +57,8 @@ class OneStepHammerString {
  private:
   T tick() {
     const T last = force_;
-    const T free = velocity_step_ + press_step_ / 2 - (string_.increment() + string_.admittance() * last);
-    const auto step = update_.meet(Approach<T>{compression_, free, admittance_});
+    const T free = velocity_step_ + press_step_ / 2 - (string_.increment() + string_.receptance() * last);
+    const auto step = update_.meet(Approach<T>{compression_, free, receptance_});
     force_ = step.force;
     compression_ = step.compression;
     velocity_step_ += press_step_ - velocity_step_per_force_ * force_;
@@ -67,7 +67,7 @@ class OneStepHammerString {
 
   ModalString<T> string_;
   Update update_;
-  T time_step_, velocity_step_per_force_, admittance_;
+  T time_step_, velocity_step_per_force_, receptance_;
   T compression_ = -1;   // no contact until the first throw
   T velocity_step_ = 0;  // hammer velocity times time_step_ [m]
   T press_step_ = 0;     // what the pressing force adds to it in a sample [m]

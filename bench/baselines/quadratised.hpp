@@ -29,7 +29,7 @@ class QuadratisedHammerString {
       : string_(modes, strike_shapes, pickup_shapes, sample_rate_hz),
         time_step_(static_cast<T>(1 / sample_rate_hz)),
         velocity_step_per_force_(static_cast<T>(1 / (sample_rate_hz * sample_rate_hz * hammer.mass_kg))),
-        admittance_(velocity_step_per_force_ + 2 * string_.admittance()),
+        receptance_(velocity_step_per_force_ + 2 * string_.receptance()),
         scale_(static_cast<T>(std::sqrt(hammer.stiffness_n_per_m_alpha * (hammer.exponent + 1) / 2))),
         power_(static_cast<T>((hammer.exponent - 1) / 2)),
         per_power_(static_cast<T>(2 / (hammer.exponent + 1))) {}
@@ -63,7 +63,7 @@ class QuadratisedHammerString {
     velocity_step_ += press_step_;
     const T free = velocity_step_ - string_.increment();
     force_ = meet(free + last_increment_);
-    const T increment = free - admittance_ * force_;
+    const T increment = free - receptance_ * force_;
     was_touching_ = compression_ > 0;
     compression_ += increment;
     last_increment_ = increment;
@@ -75,11 +75,11 @@ class QuadratisedHammerString {
   [[nodiscard]] T gradient() const { return compression_ > 0 ? scale_ * std::pow(compression_, power_) : T(0); }
 
   /// Returns the force and advances psi by g s / 2. s = s_free - q f is the increment over two samples, q the
-  /// admittance.
+  /// receptance.
   T meet(T free) {
     if (compression_ > 0) {
       const T g = kGradient == PsiGradient::potential && psi_ < 0 ? -gradient() : gradient();
-      const T qg = admittance_ * g;
+      const T qg = receptance_ * g;
       const T s = (free - qg * psi_) / (1 + qg * g / 4);
       const T next = psi_ + g * s / 2;
       if (kGradient == PsiGradient::potential || next >= 0) return carry(g, next);
@@ -93,9 +93,9 @@ class QuadratisedHammerString {
   /// z = -s_free/2. psi becomes 0.
   T leave(T free) {
     const T z = -free / 2;
-    const T root = std::sqrt(z * z + admittance_ * psi_ * psi_);
+    const T root = std::sqrt(z * z + receptance_ * psi_ * psi_);
     // g psi / 2, in the form without cancellation
-    const T force = z > 0 ? psi_ * psi_ / (root + z) : (root - z) / admittance_;
+    const T force = z > 0 ? psi_ * psi_ / (root + z) : (root - z) / receptance_;
     const bool stored = psi_ > 0;
     psi_ = 0;
     return stored ? force : T(0);
@@ -108,7 +108,7 @@ class QuadratisedHammerString {
   }
 
   ModalString<T> string_;
-  T time_step_, velocity_step_per_force_, admittance_;
+  T time_step_, velocity_step_per_force_, receptance_;
   T scale_, power_, per_power_;
   T compression_ = -1;   // no contact until the first throw
   T velocity_step_ = 0;  // hammer velocity times time_step_ [m]

@@ -58,7 +58,7 @@ class QuadratisedNetwork {
       Modes& mode = modes_[i / kLanes];
       mode.keep[i % kLanes] = 1 - constants.loss;
       mode.pull[i % kLanes] = constants.stiffness;
-      mode.gain[i % kLanes] = audible ? 2 * constants.admittance : 0;
+      mode.gain[i % kLanes] = audible ? 2 * constants.receptance : 0;
     }
     for (const auto& shapes : problem.contacts) add_row(shapes);
     add_row(problem.spring);
@@ -68,21 +68,21 @@ class QuadratisedNetwork {
     spring_psi_ = -spring_gain_ * problem.spring_gap_m;
     resistance_ = problem.resistance_n_s_per_m * sample_rate_hz / 2;
     spring_slope_ = problem.spring_n_per_m / 4 + resistance_;
-    spring_admittance_ = admittance(spring, spring);
-    spring_per_push_ = admittance(spring, push);
-    const double eliminated = spring_slope_ / (1 + spring_slope_ * spring_admittance_);
+    spring_receptance_ = receptance(spring, spring);
+    spring_per_push_ = receptance(spring, push);
+    const double eliminated = spring_slope_ / (1 + spring_slope_ * spring_receptance_);
     for (std::size_t k = 0; k < count; ++k) {
       Contact& c = contacts_[k];
       c.y = -gaps_[k];
       c.is_awake = true;
-      c.per_push = admittance(k, push);
-      c.per_spring = admittance(k, spring);
+      c.per_push = receptance(k, push);
+      c.per_spring = receptance(k, spring);
       c.spring_fraction = eliminated * c.per_spring;
       for (const double shape : problem.contacts[k]) c.max_shape = std::max(c.max_shape, std::abs(shape));
     }
     for (std::size_t k = 0; k < count; ++k)
       for (std::size_t l = 0; l < count; ++l)
-        admittances_.push_back(admittance(k, l) - contacts_[k].per_spring * contacts_[l].spring_fraction);
+        receptances_.push_back(receptance(k, l) - contacts_[k].per_spring * contacts_[l].spring_fraction);
     for (auto* list : {&g_, &free_, &psi_, &next_, &moved_}) list->resize(count);
     matrix_.resize(count * count);
     list_awake();
@@ -154,7 +154,7 @@ class QuadratisedNetwork {
   [[nodiscard]] std::size_t spring_row() const { return contacts_.size(); }
 
   // Change of the increment over two samples at one row per newton at another [m/N].
-  [[nodiscard]] double admittance(std::size_t a, std::size_t b) const {
+  [[nodiscard]] double receptance(std::size_t a, std::size_t b) const {
     Lanes sum = 0;
     for (std::size_t i = 0; i < blocks_; ++i) sum += modes_[i].gain * row(a)[i] * row(b)[i];
     return reduce(sum);
@@ -169,7 +169,7 @@ class QuadratisedNetwork {
   void begin(double push) {
     const double spring_free = spring_free_ + spring_last_ + spring_per_push_ * push;
     spring_force_ =
-        (spring_gain_ * spring_psi_ + spring_slope_ * spring_free) / (1 + spring_slope_ * spring_admittance_);
+        (spring_gain_ * spring_psi_ + spring_slope_ * spring_free) / (1 + spring_slope_ * spring_receptance_);
     active_.clear();
     for (const std::size_t k : awake_) {
       Contact& c = contacts_[k];
@@ -180,7 +180,7 @@ class QuadratisedNetwork {
       Contact& c = contacts_[active_[i]];
       free_[i] = c.free + c.last + c.per_push * push - c.per_spring * spring_force_;
       psi_[i] = c.psi = std::abs(c.psi);  // (g, psi) and (-g, -psi) are the same contact
-      g_[i] = gradient(c, free_[i], admittances_[active_[i] * (contacts_.size() + 1)]);
+      g_[i] = gradient(c, free_[i], receptances_[active_[i] * (contacts_.size() + 1)]);
     }
   }
 
@@ -200,7 +200,7 @@ class QuadratisedNetwork {
   void solve() {
     const std::size_t n = active_.size();
     if (n == 1) {
-      const double g = g_[0], q = admittances_[active_[0] * (contacts_.size() + 1)];
+      const double g = g_[0], q = receptances_[active_[0] * (contacts_.size() + 1)];
       next_[0] = psi_[0] + g / 2 * (free_[0] - q * g * psi_[0]) / (1 + q * g * g / 4);
     } else {
       solve_linear();
@@ -216,7 +216,7 @@ class QuadratisedNetwork {
   void solve_linear() {
     const std::size_t n = active_.size();
     for (std::size_t i = 0; i < n; ++i) {
-      const double* q = admittances_.data() + active_[i] * contacts_.size();
+      const double* q = receptances_.data() + active_[i] * contacts_.size();
       double* a = matrix_.data() + i * n;
       for (std::size_t j = 0; j <= i; ++j) a[j] = g_[i] * g_[j] * q[active_[j]] / 4;
     }
@@ -263,14 +263,14 @@ class QuadratisedNetwork {
       spring_force_ -= contacts_[l].spring_fraction * contacts_[l].force;
       increment -= contacts_[l].per_spring * contacts_[l].force;
     }
-    increment -= spring_admittance_ * spring_force_;
+    increment -= spring_receptance_ * spring_force_;
     spring_psi_ += spring_gain_ * (increment + spring_last_) / 2;
     spring_last_ = increment;
   }
 
   // What a force at contact l moves all contacts by.
   void add_response(std::size_t l, double force, double* __restrict moved) const {
-    const double* row = admittances_.data() + l * contacts_.size();
+    const double* row = receptances_.data() + l * contacts_.size();
     for (std::size_t k = 0; k < contacts_.size(); ++k) moved[k] += row[k] * force;
   }
 
@@ -380,14 +380,14 @@ class QuadratisedNetwork {
   std::vector<Lanes> rows_;  // shapes of the contacts, the spring, the push
   std::vector<double> gaps_;
   std::vector<Contact> contacts_;
-  std::vector<double> admittances_;  // for each pair of contacts, with the spring eliminated [m/N]
+  std::vector<double> receptances_;  // for each pair of contacts, with the spring eliminated [m/N]
   std::vector<std::size_t> awake_, active_;
   std::vector<Push> pushed_;
   std::vector<Listener> listening_;
   // One element for each active contact.
   std::vector<double> g_, free_, psi_, next_, matrix_;
   std::vector<double> moved_;  // one for each contact
-  double spring_gain_, spring_slope_, resistance_, spring_admittance_, spring_per_push_;
+  double spring_gain_, spring_slope_, resistance_, spring_receptance_, spring_per_push_;
   double spring_free_ = 0, spring_last_ = 0;  // next and last increment of the spring [m]
   double spring_psi_ = 0, spring_force_ = 0;
   double travel_ = 0,

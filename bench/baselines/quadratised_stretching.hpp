@@ -29,13 +29,13 @@ class QuadratisedStretching {
     for (std::size_t i = 0; i < modes.size(); ++i) {
       const auto constants = contactspline::detail::mode_constants(modes[i], sample_rate_hz);
       modes_.push_back({static_cast<T>(constants.stiffness), static_cast<T>(constants.loss),
-                        static_cast<T>(constants.admittance), static_cast<T>(form.squares_per_m2[i])});
+                        static_cast<T>(constants.receptance), static_cast<T>(form.squares_per_m2[i])});
     }
   }
 
   /// Advances one sample under a force [N] at a place.
   void tick(std::span<const double> at, T force_n) {
-    T stretch = 0, admittance = 0, moved = 0;
+    T stretch = 0, receptance = 0, moved = 0;
     for (std::size_t i = 0; i < modes_.size(); ++i) {
       const ModeState& mode = modes_[i];
       gradient_[i] = mode.square * mode.displacement;
@@ -47,15 +47,15 @@ class QuadratisedStretching {
       const ModeState& mode = modes_[i];
       gradient_[i] *= scale;
       free_[i] = mode.change - (mode.loss * mode.change + mode.stiffness * mode.displacement) +
-                 2 * mode.admittance * static_cast<T>(at[i]) * force_n;
-      admittance += gradient_[i] * mode.admittance * gradient_[i];
+                 2 * mode.receptance * static_cast<T>(at[i]) * force_n;
+      receptance += gradient_[i] * mode.receptance * gradient_[i];
       moved += gradient_[i] * (free_[i] + mode.change);
     }
-    const T mean = (psi_ + moved / 4) / (1 + admittance / 2);  // (psi+ + psi)/2
+    const T mean = (psi_ + moved / 4) / (1 + receptance / 2);  // (psi+ + psi)/2
     psi_ = 2 * mean - psi_;
     for (std::size_t i = 0; i < modes_.size(); ++i) {
       ModeState& mode = modes_[i];
-      mode.change = free_[i] - 2 * mode.admittance * gradient_[i] * mean;
+      mode.change = free_[i] - 2 * mode.receptance * gradient_[i] * mean;
       mode.displacement += mode.change;
     }
   }
@@ -65,7 +65,7 @@ class QuadratisedStretching {
 
  private:
   struct ModeState {
-    T stiffness, loss, admittance, square;
+    T stiffness, loss, receptance, square;
     T displacement = 0, change = 0;
   };
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Notes of the classical guitar by Laplace transforms, which take a tenth of the time of rendered ones: its file is linear.
 
-All strings push the top at the saddle. With Z the sum of their impedances there, Y the admittance of the body and G the ratio of a
-string's admittance from finger to saddle over that at the saddle, a finger's force F moves the saddle by Y G F/(1 + Y Z).
+All strings push the top at the saddle. With Z the sum of their impedances there, Y the receptance of the body and G the ratio of a
+string's receptance from finger to saddle over that at the saddle, a finger's force F moves the saddle by Y G F/(1 + Y Z).
 The sum is taken on the line Re s = DECAY over the time, so that what sounds longer wraps around 80 dB softer.
 """
 import json
@@ -42,19 +42,19 @@ def string_at_saddle(body, saddle_m, plucked_m, semitones, rate, count):
 
 @lru_cache(8)
 def body_at_saddle(text, rate, count):
-    """Admittance at the saddle, and what is heard of a force there."""
+    """Receptance at the saddle, and what is heard of a force there."""
     modes, saddle, heard, air, stiffness, resistance = json.loads(text)
     s = line(rate, count)
-    admittance, radiated = np.zeros(len(s), complex), np.zeros(len(s), complex)
+    receptance, radiated = np.zeros(len(s), complex), np.zeros(len(s), complex)
     for i, (mode, shape, outside) in enumerate(zip(modes, saddle, heard)):
         denominator = mode["mass_kg"] * (s * s + 2 * mode["decay_per_s"] * s + (2 * np.pi * mode["frequency_hz"]) ** 2)
         if i == 0:  # the one on the spring of the air
             of_air = air * s * s + resistance * s + stiffness
             denominator += stiffness - stiffness ** 2 / of_air
             outside = outside - stiffness / of_air
-        admittance += shape * shape * s / denominator
+        receptance += shape * shape * s / denominator
         radiated += outside * shape * s / denominator
-    return admittance, radiated
+    return receptance, radiated
 
 
 def note(file, key, seconds, rate=RATE):
@@ -74,8 +74,8 @@ def note(file, key, seconds, rate=RATE):
     force = next(control["release_n"] for control in file["controls"] if control.get("force_n") == f"{row['string']}_plucked")
     parts = [bodies["top"]["modes"], places["saddle"]["shapes"], places["heard"]["shapes"], bodies["air"]["mass_kg"],
              springs["cavity"]["stiffness_n_per_m"], springs["hole"]["resistance_n_s_per_m"]]
-    admittance, radiated = body_at_saddle(json.dumps(parts), rate, count)
+    receptance, radiated = body_at_saddle(json.dumps(parts), rate, count)
     s = line(rate, count)
     pluck = force * np.exp(-s * AT) * (1 - np.exp(-s * OVER) * (1 + s * OVER)) / (s * s * OVER)
-    sound = np.fft.irfft(radiated * over * pluck / (1 + admittance * impedance) * rate, count)
+    sound = np.fft.irfft(radiated * over * pluck / (1 + receptance * impedance) * rate, count)
     return sound * np.exp(DECAY * np.arange(count) / count)

@@ -141,14 +141,14 @@ class Writer : FaustBodies {
     }
   }
 
-  [[nodiscard]] std::string& admittance(std::size_t k, std::size_t l) {
-    return admittances_[std::min(k, l) * connections().size() + std::max(k, l)];
+  [[nodiscard]] std::string& receptance(std::size_t k, std::size_t l) {
+    return receptances_[std::min(k, l) * connections().size() + std::max(k, l)];
   }
 
-  // Compressions, free increments, admittances, stiffnesses of all connections.
+  // Compressions, free increments, receptances, stiffnesses of all connections.
   void write_connections() {
     const std::size_t n = connections().size();
-    admittances_.resize(n * n);
+    receptances_.resize(n * n);
     ratio_.resize(n);
     chain_.next();
     for (std::size_t k = 0; k < n; ++k) {
@@ -166,7 +166,7 @@ class Writer : FaustBodies {
       if (!is_form(k) && !is_friction)
         chain_.add(name_at(are_steps_double() ? "resting_compression" : "compression", k),
                    faust_kept(compression.text()));
-      for (std::size_t l = k; l < n; ++l) write_admittance(k, l);
+      for (std::size_t l = k; l < n; ++l) write_receptance(k, l);
     }
     if (are_steps_double()) write_compressions_before();
     for (const std::size_t k : contacts_) write_memory(k);
@@ -275,15 +275,15 @@ class Writer : FaustBodies {
     return initial;
   }
 
-  void write_admittance(std::size_t k, std::size_t l) {
+  void write_receptance(std::size_t k, std::size_t l) {
     const InstrumentConnection &a = connections()[k], &b = connections()[l];
     FaustSum sum;
     sum.add(mutual(a.first, b.first)).add(mutual(a.second, b.second));
     sum.add(mutual(a.first, b.second), true).add(mutual(a.second, b.first), true);
     if (sum.text().empty()) return;
-    admittance(k, l) = fmt::format("admittance_{}_{}", k, l);
+    receptance(k, l) = fmt::format("receptance_{}_{}", k, l);
     // Of its own a connection has at least that of ContactNetwork, also where nothing moves.
-    chain_.add(admittance(k, l),
+    chain_.add(receptance(k, l),
                k == l ? fmt::format("max(1.0e-18, {})", faust_kept(sum.text())) : faust_kept(sum.text()));
   }
 
@@ -295,7 +295,7 @@ class Writer : FaustBodies {
     const std::size_t c = control_of(is_contact ? ControlQuantity::kStiffnessRatio : ControlQuantity::kStiffness, k);
     if (connection.kind == ConnectionKind::kLink) {
       ratio_[k] = name_at("stiffness", k);
-      chain_.add(ratio_[k], fmt::format("cm.link_stiffness({})", own_admittance(connection)));
+      chain_.add(ratio_[k], fmt::format("cm.link_stiffness({})", own_receptance(connection)));
     } else if (!is_control(c)) {
       ratio_[k] = literal(is_contact ? connection.weight : connection.stiffness_n_per_m);
     } else {
@@ -412,13 +412,13 @@ class Writer : FaustBodies {
       for (std::size_t b = 0; b < n; ++b) {
         FaustSum sum;
         if (a == b) sum.add("1.0");
-        sum.add(faust_product(slopes[a], admittance(k, linear_[b])));
+        sum.add(faust_product(slopes[a], receptance(k, linear_[b])));
         rows[a].push_back(sum.text().empty() ? "" : set(fmt::format("matrix_{}_{}", a, b), sum.text()));
       }
       rows[a].push_back(set(name_at("right_side", a),
                             fmt::format("{} * compression_{} + {} * increment_{}", ratio_[k], k, slopes[a], k)));
       for (const std::size_t c : points_) {
-        const std::string coupling = faust_product(slopes[a], admittance(k, c));
+        const std::string coupling = faust_product(slopes[a], receptance(k, c));
         rows[a].push_back(coupling.empty() ? "" : set(fmt::format("coupling_{}_{}", a, c), coupling));
       }
     }
@@ -426,7 +426,7 @@ class Writer : FaustBodies {
     linear_solution_ = solved(std::move(rows), "links");
   }
 
-  // Free increments and admittances of the contacts, with springs and links that follow.
+  // Free increments and receptances of the contacts, with springs and links that follow.
   void reduce() {
     chain_.next();
     const std::size_t n = points_.size();
@@ -435,15 +435,15 @@ class Writer : FaustBodies {
       FaustSum increment;
       increment.add(name_at("increment", points_[a]));
       for (std::size_t l = 0; l < linear_.size(); ++l)
-        increment.add(faust_product(admittance(points_[a], linear_[l]), linear_solution_[l][0]), true);
+        increment.add(faust_product(receptance(points_[a], linear_[l]), linear_solution_[l][0]), true);
       chain_.add(name_at("free_increment", a), faust_kept(increment.text()));
       for (std::size_t b = a; b < n; ++b) {
         FaustSum sum;
-        sum.add(admittance(points_[a], points_[b]));
+        sum.add(receptance(points_[a], points_[b]));
         for (std::size_t l = 0; l < linear_.size(); ++l)
-          sum.add(faust_product(admittance(points_[a], linear_[l]), linear_solution_[l][1 + b]), true);
+          sum.add(faust_product(receptance(points_[a], linear_[l]), linear_solution_[l][1 + b]), true);
         if (sum.text().empty()) continue;
-        reduced_[a][b] = reduced_[b][a] = fmt::format("contact_admittance_{}_{}", a, b);
+        reduced_[a][b] = reduced_[b][a] = fmt::format("contact_receptance_{}_{}", a, b);
         chain_.add(reduced_[a][b],
                    a == b ? fmt::format("max(1.0e-18, keep({}))", sum.text()) : faust_kept(sum.text()));
       }
@@ -597,7 +597,7 @@ class Writer : FaustBodies {
       if (connections()[k].kind == ConnectionKind::kFriction) continue;
       FaustSum end;
       end.add(name_at("compression", k)).add(name_at("increment", k));
-      for (std::size_t l = 0; l < all.size(); ++l) end.add(faust_product(admittance(k, l), all[l]), true);
+      for (std::size_t l = 0; l < all.size(); ++l) end.add(faust_product(receptance(k, l), all[l]), true);
       results.push_back(set(name_at("end_compression", k), end.text()));
       fed_back.push_back(name_at("last_compression", k));
     }
@@ -684,7 +684,7 @@ class Writer : FaustBodies {
   std::vector<std::string> states_, state_inputs_;  // stiffnesses that follow their controls
   std::vector<std::string> fed_back_memories_;
   std::vector<std::string> ratio_;        // stiffness of each connection
-  std::vector<std::string> admittances_;  // of each pair of connections, first <= second
+  std::vector<std::string> receptances_;  // of each pair of connections, first <= second
   std::vector<std::vector<std::string>> linear_solution_, reduced_;
   std::vector<std::string> forces_;  // of the contacts
   std::string sliders_, materials_, functions_;

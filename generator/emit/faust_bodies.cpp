@@ -81,13 +81,13 @@ std::string FaustBodies::wanted_gap(std::size_t k) const {
 std::string FaustBodies::mutual(std::size_t p, std::size_t q) const {
   if (p == kGround || q == kGround || place_bodies_[p] != place_bodies_[q]) return "";
   return faust_product(gain_of(place_bodies_[p]),
-                       fmt::format("place_admittance_{}_{}", std::min(p, q), std::max(p, q)));
+                       fmt::format("place_receptance_{}_{}", std::min(p, q), std::max(p, q)));
 }
 
-std::string FaustBodies::own_admittance(const InstrumentConnection& connection) {
+std::string FaustBodies::own_receptance(const InstrumentConnection& connection) {
   FaustSum sum;
   for (const std::size_t p : {connection.first, connection.second})
-    if (p != kGround) sum.add(fmt::format("place_admittance_{}_{}", p, p));
+    if (p != kGround) sum.add(fmt::format("place_receptance_{}_{}", p, p));
   return sum.text();
 }
 
@@ -169,7 +169,7 @@ void FaustBodies::write_mass(std::size_t body) {
     input(fmt::format("throw_speed_{}", s), fmt::format("speed_{}", s));
   }
   for (const std::size_t q : places_[body])
-    input(fmt::format("place_admittance_{}_{}", q, q),
+    input(fmt::format("place_receptance_{}_{}", q, q),
           fmt::format("cm.dt * cm.dt / {}", literal(are_steps_double() ? mass : 2 * mass)));
   const std::string moved = fmt::format("{}, {}, {}", literal(mass), force_at(place), gain_of(body));
   std::vector<std::string> signals{fmt::format("place_increment_{}", place), fmt::format("jump_{}", body)};
@@ -253,8 +253,8 @@ void FaustBodies::write_bank(std::size_t body) {
   for (std::size_t m = 0; m < places.size(); ++m)
     for (std::size_t n = m; n < places.size(); ++n) {
       const auto [p, q] = std::minmax(places[m], places[n]);
-      observed.push_back(fmt::format("shape_{}(i) * shape_{}(i) * admittance", p, q));
-      signals.push_back(fmt::format("place_admittance_{}_{}", p, q));
+      observed.push_back(fmt::format("shape_{}(i) * shape_{}(i) * receptance", p, q));
+      signals.push_back(fmt::format("place_receptance_{}_{}", p, q));
     }
   if (modes == 0) {  // all of them are too fast: it does not move
     for (const std::string& signal : signals) chain_.add(signal, "0.0");
@@ -271,7 +271,7 @@ void FaustBodies::write_bank(std::size_t body) {
       "  one(i{8}{1}, twice_damping, minus_half_gain) =\n"
       "    {9}, twice_damping, minus_half_gain, constants_{0}(i), (constants_{0}(i) : modal.coefficients)\n"
       "    : modal.bank_mode{11} : observe(i);\n"
-      "  observe(i, increment, displacement{12}, admittance) =\n    {10};\n}};\n",
+      "  observe(i, increment, displacement{12}, receptance) =\n    {10};\n}};\n",
       body, fmt::join(forces, ", "), forces.empty() ? "" : ", ", scaled(forces), (modes + 15) / 16, signals.size(),
       forces.size() + 2, modes, forces.empty() ? "" : ", ", fmt::join(weighted, " + "), fmt::join(observed, ", "),
       has_velocity ? "_with_velocity" : "", has_velocity ? ", velocity" : "");
@@ -321,7 +321,7 @@ void FaustBodies::write_bank_of_two_samples(std::size_t body) {
       "    {7}, {8}, last_gain, last_damping, gain, damping, constants_{0}(i), (constants_{0}(i) : "
       "modal.coefficients),\n"
       "    {9} : modal.mode_of_two_samples : observe(i);\n"
-      "  observe(i, increment, before, displacement, pickup_gain, velocity, velocity_gain, gradient, admittance) =\n"
+      "  observe(i, increment, before, displacement, pickup_gain, velocity, velocity_gain, gradient, receptance) =\n"
       "    {10};\n}};\n",
       body, fmt::join(names, ""), fmt::join(scaled, ""), (modes + 15) / 16, signals.size(), forces + 4, modes,
       weighted.or_zero(), form, square, fmt::join(terms, ", "));
@@ -353,8 +353,8 @@ std::vector<std::pair<std::string, std::string>> FaustBodies::observed_over_two_
   for (std::size_t m = 0; m < places.size(); ++m)
     for (std::size_t n = m; n < places.size(); ++n) {
       const auto [p, q] = std::minmax(places[m], places[n]);
-      observed.emplace_back(fmt::format("place_admittance_{}_{}", p, q),
-                            fmt::format("{} * {} * admittance", shape_of(p), shape_of(q)));
+      observed.emplace_back(fmt::format("place_receptance_{}_{}", p, q),
+                            fmt::format("{} * {} * receptance", shape_of(p), shape_of(q)));
     }
   return observed;
 }
@@ -393,7 +393,7 @@ void FaustBodies::write_squares(std::size_t body) {
 }
 
 std::string FaustBodies::pull_at(std::size_t place, bool is_velocity) {
-  if (is_velocity) return fmt::format("{} * velocity_gain * 0.5 * admittance * gradient", shape_of(place));
+  if (is_velocity) return fmt::format("{} * velocity_gain * 0.5 * receptance * gradient", shape_of(place));
   const std::size_t body = place_bodies_[place], begin = first_mode(body);
   const auto squares = squares_of(body);
   bodies_ += fmt::format("pull_shape_{0}(mode) = pull_shape_of_{0}(mode);\n", place);

@@ -47,7 +47,7 @@ class FaustBodies {
   // Displacement over a sample at place p per newton at place q; empty for 0.
   [[nodiscard]] std::string mutual(std::size_t p, std::size_t q) const;
   // The same without dampers, between the ends of one connection.
-  [[nodiscard]] static std::string own_admittance(const InstrumentConnection& connection);
+  [[nodiscard]] static std::string own_receptance(const InstrumentConnection& connection);
   // Increment of a place without connections.
   [[nodiscard]] std::string increment_at(std::size_t place) const;
   // The mass that a place belongs to jumps to 0 when it is thrown. earlier: at the end of the sample before the last.

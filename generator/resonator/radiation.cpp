@@ -254,7 +254,7 @@ class ModeFilter {
     constexpr double kMinAveraging = 4 / (pi * pi);
     const double real = 1 - (constants_.loss + constants_.stiffness) / 2,
                  square = 1 - constants_.loss;  // Re z, |z|^2
-    const double scale = constants_.admittance / std::max(constants_.averaging_factor, kMinAveraging);
+    const double scale = constants_.receptance / std::max(constants_.averaging_factor, kMinAveraging);
     const Complex displacement = scale * (1.0 + x), free_increment = scale * (2 * real - (1 + square) * x);
     const double gain = constants_.velocity_gain;
     return {(gain * (1 - real) - mode_.decay_per_s) * displacement + gain * free_increment, displacement};

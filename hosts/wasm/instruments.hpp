@@ -48,22 +48,14 @@ struct PageInstrument {
 
 /// The files of data/instruments, in the order of the page's list.
 inline constexpr std::array kFiles = {
-    instruments::tanpura<float>::data::view,
-    instruments::classical_guitar<float>::data::view,
-    instruments::steel_guitar<float>::data::view,
-    instruments::fret_guitar<float>::data::view,
-    instruments::lap_steel<float>::data::view,
-    instruments::slap_bass<float>::data::view,
-    instruments::trichord_c4<float>::data::view,
-    instruments::prepared_piano<float>::data::view,
-    instruments::marimba<float>::data::view,
-    instruments::kalimba<float>::data::view,
-    instruments::dulcimer<float>::data::view,
-    instruments::snare<float>::data::view,
-    instruments::tom<float>::data::view,
-    instruments::gong<float>::data::view,
-    instruments::kit<float>::data::view,
-    instruments::violin<float>::data::view,
+    instruments::tanpura<float>::data::view,      instruments::classical_guitar<float>::data::view,
+    instruments::steel_guitar<float>::data::view, instruments::fret_guitar<float>::data::view,
+    instruments::lap_steel<float>::data::view,    instruments::slap_bass<float>::data::view,
+    instruments::trichord_c4<float>::data::view,  instruments::prepared_piano<float>::data::view,
+    instruments::marimba<float>::data::view,      instruments::kalimba<float>::data::view,
+    instruments::dulcimer<float>::data::view,     instruments::snare<float>::data::view,
+    instruments::tom<float>::data::view,          instruments::gong<float>::data::view,
+    instruments::kit<float>::data::view,          instruments::violin<float>::data::view,
     instruments::cello<float>::data::view};
 
 /// What a file describes; `arrays` owns what `data` views, or is null where that lives for ever.

@@ -20,7 +20,7 @@ class NormalisedTest : public ::testing::TestWithParam<MaterialUnderTest> {
 
 /// What one row of probe.dsp reads.
 struct Row {
-  double compression, free_increment, admittance, stiffness_ratio, loss, last_increment;
+  double compression, free_increment, receptance, stiffness_ratio, loss, last_increment;
 };
 
 // From before the barrier to beyond the table, slow to fast, up and down, soft to stiff.
@@ -30,15 +30,15 @@ std::vector<Row> rows(const MaterialUnderTest& material) {
   std::vector<Row> rows;
   for (int i = -20; i <= 110; ++i)
     for (const double increment : {-0.5, -0.01, 1e-4, 0.03, 0.4})
-      for (const double admittance : {1e-4, 0.1, 30.0})
+      for (const double receptance : {1e-4, 0.1, 30.0})
         rows.push_back(
-            {0.01 * i * end, increment * end, admittance * compliance, 0.7, i % 2 ? 0 : 0.2, 0.3 * increment * end});
+            {0.01 * i * end, increment * end, receptance * compliance, 0.7, i % 2 ? 0 : 0.2, 0.3 * increment * end});
   return rows;
 }
 
 // Scaled by w and E, what a step reads and returns: xi f is a length, loss times a speed has no unit.
 Row normalise(const Row& row, double width, double energy) {
-  return {row.compression / width, row.free_increment / width, row.admittance * energy / (width * width),
+  return {row.compression / width, row.free_increment / width, row.receptance * energy / (width * width),
           row.stiffness_ratio,     row.loss * width,           row.last_increment / width};
 }
 
@@ -47,7 +47,7 @@ TEST_P(NormalisedTest, EveryFunctionScales) {
   Signals<double> in(6);
   for (const Row& si : rows_in_si) {
     const Row row = normalise(si, width(), energy());
-    const double values[] = {row.compression,     row.free_increment, row.admittance,
+    const double values[] = {row.compression,     row.free_increment, row.receptance,
                              row.stiffness_ratio, row.loss,           row.last_increment};
     for (std::size_t k = 0; k < in.size(); ++k) in[k].push_back(values[k]);
   }
@@ -56,7 +56,7 @@ TEST_P(NormalisedTest, EveryFunctionScales) {
   const auto table = GetParam().in_double.table;
   Signals<double> expected(4);
   for (const Row& row : rows_in_si) {
-    const Approach<double> approach{row.compression, row.free_increment, row.admittance};
+    const Approach<double> approach{row.compression, row.free_increment, row.receptance};
     const ContactControls<double> controls{row.stiffness_ratio, row.loss};
     expected[0].push_back(potential(table, row.compression));
     expected[1].push_back(force(table, row.compression));

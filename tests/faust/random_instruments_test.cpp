@@ -103,19 +103,19 @@ std::vector<Move> moves_of(const InstrumentModel& model, RandomInstruments& rand
 // Does each connection join places of which one moves? Modes that are silent at the sample rate do not.
 bool all_connections_move(const Case& drawn) {
   const InstrumentArrays& arrays = drawn.arrays;
-  std::vector<double> admittances = {};
+  std::vector<double> receptances = {};
   for (std::size_t p = 0, shape = 0; p < arrays.place_bodies.size(); ++p) {
     const std::size_t body = arrays.place_bodies[p];
     double sum = 0;
     for (std::size_t i = body == 0 ? 0 : arrays.body_ends[body - 1]; i < arrays.body_ends[body]; ++i, ++shape) {
       const Mode mode{arrays.angular_frequencies[i], arrays.decays[i], arrays.masses[i]};
       if (mode.angular_frequency_rad_per_s < std::numbers::pi * drawn.sample_rate_hz)
-        sum += detail::mode_constants(mode, double(drawn.sample_rate_hz)).admittance * arrays.shapes[shape] *
+        sum += detail::mode_constants(mode, double(drawn.sample_rate_hz)).receptance * arrays.shapes[shape] *
                arrays.shapes[shape];
     }
-    admittances.push_back(sum);
+    receptances.push_back(sum);
   }
-  const auto at = [&](std::size_t place) { return place == kGround ? 0 : admittances[place]; };
+  const auto at = [&](std::size_t place) { return place == kGround ? 0 : receptances[place]; };
   return std::ranges::all_of(arrays.connections, [&](const InstrumentConnection& connection) {
     return at(connection.first) + at(connection.second) > 1e-16;
   });

@@ -22,7 +22,7 @@ inline constexpr std::size_t kSamples = 5000;
 /// One sample into probe.dsp.
 template <typename T>
 struct Input {
-  T compression, free_increment, admittance, stiffness_ratio, loss, last_increment;
+  T compression, free_increment, receptance, stiffness_ratio, loss, last_increment;
 };
 
 /// One sample out of it.
@@ -35,7 +35,7 @@ struct Output {
 enum class Closeness { kLength, kRepresentable };
 
 /// Lengths from 10^lowest to 10 times max_compression, both signs; a fifth of the compressions on a knot, another
-/// close to one: by a hundredth of such a length, or by one to four representable numbers. Admittances from 1e-6 to
+/// close to one: by a hundredth of such a length, or by one to four representable numbers. Receptances from 1e-6 to
 /// 1e6 over the largest stiffness.
 template <typename T>
 class RandomInput {
@@ -89,7 +89,7 @@ std::vector<Output<T>> run_probe(FaustProgram<T>& program, const std::vector<Inp
   for (const Input<T>& in : inputs) {
     signals[0].push_back(in.compression);
     signals[1].push_back(in.free_increment);
-    signals[2].push_back(in.admittance);
+    signals[2].push_back(in.receptance);
     signals[3].push_back(in.stiffness_ratio);
     signals[4].push_back(in.loss);
     signals[5].push_back(in.last_increment);
@@ -102,7 +102,7 @@ std::vector<Output<T>> run_probe(FaustProgram<T>& program, const std::vector<Inp
 
 template <typename T>
 Output<T> run_twin(SegmentTable<T> table, const Input<T>& in) {
-  const Approach<T> approach{in.compression, in.free_increment, in.admittance};
+  const Approach<T> approach{in.compression, in.free_increment, in.receptance};
   const ContactControls<T> controls{in.stiffness_ratio, in.loss};
   return {
       potential(table, in.compression), force(table, in.compression), contact_force(table, approach),
@@ -114,9 +114,9 @@ Output<T> run_twin(SegmentTable<T> table, const Input<T>& in) {
 /// increment beyond y0, but at most twice that at y0, it is 0 where the sum would pull.
 template <typename T>
 Output<Real> solve_exactly(const ExactContact& exact, const Input<T>& in) {
-  const Wide y0 = in.compression, xf = in.free_increment, xi = in.admittance, ratio = in.stiffness_ratio;
-  const auto step = [&](Wide increment, Wide admittance) {
-    return ExactApproach(exact, y0, increment, admittance).solve().force;
+  const Wide y0 = in.compression, xf = in.free_increment, xi = in.receptance, ratio = in.stiffness_ratio;
+  const auto step = [&](Wide increment, Wide receptance) {
+    return ExactApproach(exact, y0, increment, receptance).solve().force;
   };
   const Wide midway = std::min<Wide>(exact.force(y0 + Wide(in.last_increment) / 2), 2 * exact.force(y0));
   const Wide resistance = Wide(in.loss) * ratio * midway * kRate;
@@ -129,14 +129,14 @@ Output<Real> solve_exactly(const ExactContact& exact, const Input<T>& in) {
 template <typename T>
 Real momentum(const Input<T>& in, Real force) {
   const Real free_increment = in.free_increment;
-  return std::max(std::abs(free_increment), std::abs(free_increment - in.admittance * force)) / in.admittance;
+  return std::max(std::abs(free_increment), std::abs(free_increment - in.receptance * force)) / in.receptance;
 }
 
 /// What rounding the table does to a contact force [N], in unit roundoffs: the forces at both ends, and, where more
 /// than one knot is passed, the energies there divided by the distance between.
 template <typename T>
 Real table_rounding(const ExactContact& exact, const Input<T>& in, Real ratio, Real contact_force) {
-  const Real y0 = in.compression, increment = in.free_increment - in.admittance * contact_force;
+  const Real y0 = in.compression, increment = in.free_increment - in.receptance * contact_force;
   const std::size_t from = exact.segment_of(y0), to = exact.segment_of(y0 + increment);
   const bool energies_differ = from + 1 < to || to + 1 < from;
   const Wide energies = exact.energy(y0) + exact.energy(y0 + increment);

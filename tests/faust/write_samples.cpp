@@ -57,7 +57,7 @@ Json probe_run(const MaterialUnderTest& material) {
   std::vector<std::vector<double>> in(6);
   std::vector<Output<Real>> out, bounds;
   for (const auto& row : inputs) {
-    const T values[] = {row.compression,     row.free_increment, row.admittance,
+    const T values[] = {row.compression,     row.free_increment, row.receptance,
                         row.stiffness_ratio, row.loss,           row.last_increment};
     for (std::size_t k = 0; k < in.size(); ++k) in[k].push_back(values[k]);
     out.push_back(solve_exactly(exact, row));

@@ -157,7 +157,7 @@ class ReferenceNetwork {
     for (const Body& body : bodies_)
       for (std::size_t i = body.begin; i < body.end; ++i) {
         Mode& mode = modes_[i];
-        const Real change = (mode.free + mode.admittance * mode.force) / (1 + body.damping);
+        const Real change = (mode.free + mode.receptance * mode.force) / (1 + body.damping);
         const Real kick = (change - mode.free) / mode.qv, q = mode.q;
         mode.q += change;
         mode.v = mode.vq * q + mode.vv * (mode.v + kick) + kick;
@@ -182,7 +182,7 @@ class ReferenceNetwork {
  private:
   struct Mode {
     Real qq, qv, vq, vv;  // what displacement and velocity become in free motion over a sample
-    Real admittance, averaging;
+    Real receptance, averaging;
     Real decay, w;
     Real q = 0, v = 0, free = 0, force = 0;
   };
@@ -233,11 +233,11 @@ class ReferenceNetwork {
     mode.qv = e * sine_over_w;
     mode.vq = -e * square * sine_over_w;
     mode.vv = e * (c - s * sine_over_w);
-    // A constant force f kicks v by admittance f/qv before and after each sample. Then q = f/(m square) stays at
+    // A constant force f kicks v by receptance f/qv before and after each sample. Then q = f/(m square) stays at
     // rest.
     const Real determinant = (1 - mode.qq) * (1 - mode.vv) - mode.qv * mode.vq;  // |1 - z|^2
-    mode.admittance = square > 0 ? determinant / (2 * m * square) : dt * dt / (2 * m);
-    if (w * dt >= std::numbers::pi_v<Real>) mode.admittance = 0;  // above half the rate, where lower keys need it
+    mode.receptance = square > 0 ? determinant / (2 * m * square) : dt * dt / (2 * m);
+    if (w * dt >= std::numbers::pi_v<Real>) mode.receptance = 0;  // above half the rate, where lower keys need it
     mode.averaging = square > 0 ? determinant / (square * dt * dt) : Real(1);
     mode.decay = s;
     mode.w = w;
@@ -275,7 +275,7 @@ class ReferenceNetwork {
   [[nodiscard]] Real free_increment(std::size_t place) const {
     if (place == kGround) return 0;
     const Real damping = bodies_[data_.place_bodies[place]].damping;
-    return over_modes(place, [&](const Mode& m) { return (m.free + m.admittance * m.force) / (1 + damping); });
+    return over_modes(place, [&](const Mode& m) { return (m.free + m.receptance * m.force) / (1 + damping); });
   }
 
   void add_force(std::size_t place, Real force) {
@@ -293,7 +293,7 @@ class ReferenceNetwork {
       const Body& body = bodies_[data_.place_bodies[p]];
       Real sum = 0;
       for (std::size_t i = body.begin; i < body.end; ++i)
-        sum += modes_[i].admittance * shapes_[p][i - body.begin] * shapes_[q][i - body.begin];
+        sum += modes_[i].receptance * shapes_[p][i - body.begin] * shapes_[q][i - body.begin];
       return sum / (1 + body.damping);
     };
     for (std::size_t k = 0; k < n; ++k)

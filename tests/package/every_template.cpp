@@ -66,9 +66,9 @@
 #include "contactspline/network/coupled_contacts.hpp"
 #include "contactspline/network/following_controls.hpp"
 #include "contactspline/network/linear_algebra.hpp"
-#include "contactspline/network/network_admittances.hpp"
 #include "contactspline/network/network_parts.hpp"
 #include "contactspline/network/network_plan.hpp"
+#include "contactspline/network/network_receptances.hpp"
 #include "contactspline/network/newton.hpp"
 #include "contactspline/network/sample_law.hpp"
 #include "contactspline/network/sleeping_contacts.hpp"
@@ -91,7 +91,7 @@
 #include "contactspline/tangent/friction_tangent.hpp"
 #include "contactspline/tangent/mass_barrier_tangent.hpp"
 #include "contactspline/tangent/mode_slopes.hpp"
-#include "contactspline/tangent/moved_admittances.hpp"
+#include "contactspline/tangent/moved_receptances.hpp"
 #include "contactspline/tangent/moving_places_backwards.hpp"
 #include "contactspline/tangent/network_adjoints.hpp"
 #include "contactspline/tangent/network_backwards.hpp"
@@ -154,7 +154,7 @@ using Felt = materials::felt_c4;
   template class detail::KeyboardSound<T>;                                                                      \
   template class detail::KeysOnBridge<T>;                                                                       \
   template struct detail::InstrumentParts<T>;                                                                   \
-  template class detail::NetworkAdmittances<T>;                                                                 \
+  template class detail::NetworkReceptances<T>;                                                                 \
   template struct detail::NetworkParts<T>;                                                                      \
   template class detail::NetworkPickups<T>;                                                                     \
   template class detail::NetworkPressure<T>;                                                                    \

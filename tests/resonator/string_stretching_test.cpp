@@ -385,7 +385,7 @@ TEST(StringStretching, RetunesTransverseModesAlone) {
   }
   for (std::size_t i = 0; i < modes.size(); ++i) {
     EXPECT_EQ(bank.bank().constants(i).stiffness == before[i].stiffness, i >= kTransverse) << i;
-    EXPECT_EQ(bank.bank().constants(i).admittance == before[i].admittance, i >= kTransverse) << i;
+    EXPECT_EQ(bank.bank().constants(i).receptance == before[i].receptance, i >= kTransverse) << i;
   }
 }
 

@@ -205,7 +205,7 @@ TEST(StrungBodyMotion, IsBoundedOnALightBodyInSinglePrecision) {
   EXPECT_LT(largest, 3e-3f);
 }
 
-// The same with three places of which two move alike: the matrix of their admittances has no inverse. Three plucks of
+// The same with three places of which two move alike: the matrix of their receptances has no inverse. Three plucks of
 // 1 mm hold T/L pi^2/4 (1 + 4 + 9) 1e-6 m^2, and T/L w^2/2 is a part of that: w is below 8.4 mm.
 TEST(StrungBodyMotion, IsBoundedAtPlacesThatMoveAlike) {
   const Strings strings(c4(), {0}, 40, 22050);

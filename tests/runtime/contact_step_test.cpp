@@ -50,10 +50,10 @@ class ContactStepProperty : public ::testing::Test {
   }
 
   static Approach<T> approach(const RandomStep<T>& step) {
-    return {step.compression, step.free_increment, step.admittance};
+    return {step.compression, step.free_increment, step.receptance};
   }
   static Wide increment(const RandomStep<T>& step, T force) {
-    return Wide(step.free_increment) - Wide(step.admittance) * Wide(force);
+    return Wide(step.free_increment) - Wide(step.receptance) * Wide(force);
   }
   /// What xf is as good as moved by [m]: D, and where xf or xi are rounded beforehand, so many u (|x| + |xf|).
   static double increment_error(const RandomStep<T>& step, T force, int roundings = 0) {
@@ -71,7 +71,7 @@ class ContactStepProperty : public ::testing::Test {
   /// Uncertainty of a force [N]: of (1 - 1/h') D / xi, (1 - 1/h')/xi is at most 1/xi, and at most the greatest slope
   /// of a mean force, c.
   double force_error(const RandomStep<T>& step, T force, double fraction, int roundings = 0) const {
-    const double slope = std::min(1 / static_cast<double>(step.admittance), stiffest_[step.table]);
+    const double slope = std::min(1 / static_cast<double>(step.receptance), stiffest_[step.table]);
     return fraction * static_cast<double>(force) + slope * increment_error(step, force, roundings);
   }
 
@@ -91,21 +91,21 @@ TYPED_TEST(ContactStepProperty, ExchangesTheEnergyTheContactStores) {
     const auto f = contact_force(table, this->approach(step));
     const auto& contact = this->contacts_[step.table];
     const Wide x = this->increment(step, f), y1 = step.compression + x;
-    const ExactApproach exact(contact, step.compression, step.free_increment, step.admittance);
+    const ExactApproach exact(contact, step.compression, step.free_increment, step.receptance);
     const Wide work = exact.work(x, exact.end_segment(x));
     if (work == 0) {
       ASSERT_TRUE(f == 0 || x == 0);
       return;
     }
     const double fraction = this->fraction(step, work, y1);
-    const double e = this->increment_error(step, f) + fraction * static_cast<double>(step.admittance * f);
+    const double e = this->increment_error(step, f) + fraction * static_cast<double>(step.receptance * f);
     const double resistance = std::abs(static_cast<double>(contact.force(y1)) - static_cast<double>(f));
     const double bound =
         2 * (fraction * std::abs(static_cast<double>(work)) + (resistance + 2 * this->stiffest_[step.table] * e) * e);
     const double error = std::abs(static_cast<double>(f * x - work));
     worst = std::max(worst, error / bound);
     ASSERT_LE(error, bound) << "y0 " << step.compression << " xf " << step.free_increment << " xi "
-                            << step.admittance;
+                            << step.receptance;
   });
   Measured() << "worst energy error " << worst << " of its bound";
   this->RecordProperty("worst", std::to_string(worst));
@@ -133,7 +133,7 @@ TYPED_TEST(ContactStepProperty, ForceTendsToTheSlopeOfThePotential) {
     const double slope = static_cast<double>(this->contacts_[step.table].force(y0));
     for (const double fraction : {1e-2, 1e-5, 1e-9}) {
       step.free_increment = static_cast<TypeParam>(fraction * y0);
-      step.admittance = static_cast<TypeParam>(fraction * y0 / slope);
+      step.receptance = static_cast<TypeParam>(fraction * y0 / slope);
       const auto f = contact_force(table, this->approach(step));
       const double x = std::abs(static_cast<double>(this->increment(step, f))) + this->increment_error(step, f);
       const double bound = this->stiffest_[step.table] * x + this->force_error(step, f, 2 * this->kForceFraction);
@@ -165,7 +165,7 @@ TYPED_TEST(ContactStepProperty, StiffnessRatioIsAStifferSpline) {
         const Wide x = this->increment(step, f);
         const ExactApproach path(this->contacts_[step.table], step.compression, 0, 1);
         const double fraction = this->fraction(step, path.work(x, path.end_segment(x)), step.compression + x);
-        const double slope = std::min(1 / static_cast<double>(step.admittance), ratio * this->stiffest_[step.table]);
+        const double slope = std::min(1 / static_cast<double>(step.receptance), ratio * this->stiffest_[step.table]);
         const double bound = 2 * (fraction * static_cast<double>(f) + slope * this->increment_error(step, f, 1));
         ASSERT_NEAR(static_cast<double>(f), static_cast<double>(g), bound) << ratio;
       }
@@ -181,8 +181,8 @@ TYPED_TEST(ContactStepProperty, TheReverseStepTakesTheSameForce) {
     const Wide x = Wide(there.compression) - Wide(step.compression);
     const ExactApproach exact(this->contacts_[step.table], step.compression, 0, 1);
     const Wide mean = exact.mean_force(x);
-    const auto back_free = static_cast<TypeParam>(-x + Wide(step.admittance) * mean);
-    const RandomStep<TypeParam> back{step.table, there.compression, back_free, step.admittance, {}};
+    const auto back_free = static_cast<TypeParam>(-x + Wide(step.receptance) * mean);
+    const RandomStep<TypeParam> back{step.table, there.compression, back_free, step.receptance, {}};
     const auto f = contact_force(table, this->approach(back));
     const double fraction = this->fraction(step, mean * x, there.compression);
     const double moved = kRoundoff<TypeParam> * (std::abs(static_cast<double>(there.compression)) +
@@ -190,7 +190,7 @@ TYPED_TEST(ContactStepProperty, TheReverseStepTakesTheSameForce) {
     const double bound = this->force_error(step, there.force, fraction, 12) +
                          this->force_error(back, f, fraction, 1) + 2 * this->stiffest_[step.table] * moved;
     ASSERT_NEAR(static_cast<double>(f), static_cast<double>(there.force), bound)
-        << "y0 " << step.compression << " xf " << step.free_increment << " xi " << step.admittance;
+        << "y0 " << step.compression << " xf " << step.free_increment << " xi " << step.receptance;
   });
 }
 
@@ -241,14 +241,14 @@ TYPED_TEST(ContactStepProperty, LossIsViscousAndPassive) {
     ASSERT_TRUE(f == 0 || !apart);
     const auto& contact = this->contacts_[step.table];
     const Wide x = this->increment(step, f);
-    const ExactApproach exact(contact, step.compression, step.free_increment, step.admittance);
+    const ExactApproach exact(contact, step.compression, step.free_increment, step.receptance);
     const double resistance = static_cast<double>(controls.loss_s_per_m) / static_cast<double>(TypeParam(kTimeStep)) *
                               static_cast<double>(std::min(contact.force(y0 + last / 2), 2 * contact.force(y0)));
     const double mean = static_cast<double>(exact.mean_force(x)), drag = resistance * static_cast<double>(x);
     const Wide work = exact.work(x, exact.end_segment(x));
     const double fraction = 2 * this->fraction(step, work, step.compression + x);
     const double forces = fraction * (mean + std::abs(drag));
-    const double increments = 2 * this->increment_error(step, f, 2) + static_cast<double>(step.admittance) * forces;
+    const double increments = 2 * this->increment_error(step, f, 2) + static_cast<double>(step.receptance) * forces;
     const double bound = forces + (this->stiffest_[step.table] + resistance) * increments;
     ASSERT_GE(static_cast<double>(f * x - work), -std::abs(static_cast<double>(x)) * bound);
     if (f == 0) {
@@ -259,7 +259,7 @@ TYPED_TEST(ContactStepProperty, LossIsViscousAndPassive) {
     }
     worst = std::max(worst, std::abs(static_cast<double>(f) - mean - drag) / bound);
     ASSERT_NEAR(static_cast<double>(f), mean + drag, bound)
-        << "y0 " << step.compression << " xf " << step.free_increment << " xi " << step.admittance << " loss "
+        << "y0 " << step.compression << " xf " << step.free_increment << " xi " << step.receptance << " loss "
         << controls.loss_s_per_m;
   });
   Measured() << "worst " << worst << " of the bound; " << clamped << " steps would have pulled";
@@ -298,9 +298,9 @@ TEST(ContactStep, GoesFromEverySegmentToEverySegmentOf1024) {
       const ExactApproach exact(contact, step.compression, 0, 1);
       const double f = static_cast<double>(exact.mean_force(*step.increment, end_segment));
       const double force =
-          contact_force(table, Approach<double>{step.compression, step.free_increment, step.admittance});
+          contact_force(table, Approach<double>{step.compression, step.free_increment, step.receptance});
       const double increments = 2 * kU * (std::abs(x) + std::abs(step.free_increment));
-      const double slope = std::min(1 / step.admittance, table.back().half_curvature * 2);
+      const double slope = std::min(1 / step.receptance, table.back().half_curvature * 2);
       ASSERT_NEAR(force, f, 8000 * kU * f + slope * increments) << start << " to " << end_segment;
     }
 }

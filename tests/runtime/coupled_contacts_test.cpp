@@ -29,16 +29,16 @@ Table uneven_table(Random& random) {
 
 enum class Law { power, uneven };
 
-// n contacts on a body of some modes: their admittances are positive definite and strongly coupled.
+// n contacts on a body of some modes: their receptances are positive definite and strongly coupled.
 struct Problem {
-  Problem(Random& random, std::size_t n, Law law = Law::power) : admittance(n, std::vector<double>(n)) {
+  Problem(Random& random, std::size_t n, Law law = Law::power) : receptance(n, std::vector<double>(n)) {
     std::vector<std::vector<double>> shapes(n, std::vector<double>(6));
     for (auto& row : shapes)
       for (double& shape : row) shape = random.between(-1, 1);
     const double scale = random.log_between(1e-9, 1e-5);
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t j = 0; j < n; ++j)
-        for (std::size_t m = 0; m < 6; ++m) admittance[i][j] += scale * shapes[i][m] * shapes[j][m];
+        for (std::size_t m = 0; m < 6; ++m) receptance[i][j] += scale * shapes[i][m] * shapes[j][m];
     for (std::size_t i = 0; i < n; ++i) {
       const double exponent = random.between(1, 3), stiffness = random.log_between(1e4, 1e12);
       tables.push_back(law == Law::power ? power_table(stiffness, exponent, 1e-3) : uneven_table(random));
@@ -54,7 +54,7 @@ struct Problem {
   void put_into(CoupledContacts<double>& solver) const {
     solver.begin();
     for (std::size_t i = 0; i < size(); ++i) {
-      for (std::size_t j = 0; j < size(); ++j) solver.set_admittance(i, j, admittance[i][j]);
+      for (std::size_t j = 0; j < size(); ++j) solver.set_receptance(i, j, receptance[i][j]);
       solver[i].table = tables[i];
       solver[i].contact = controls[i];
       solver[i].compression = compression[i];
@@ -65,7 +65,7 @@ struct Problem {
     for (std::size_t i = 0; i < size(); ++i) solver.add(i);
   }
 
-  std::vector<std::vector<double>> admittance;
+  std::vector<std::vector<double>> receptance;
   std::vector<Table> tables;
   std::vector<ContactControls<double>> controls;
   std::vector<double> compression, free_increment, last_increment;
@@ -93,7 +93,7 @@ long double plain_force(const Problem& p, std::size_t i, long double x) {
 }
 
 // Forces by bisection for the last contact, within bisection for the one before, and so on: each residual rises with
-// its force, because the matrix of admittances is positive definite.
+// its force, because the matrix of receptances is positive definite.
 void bisect(const Problem& p, std::size_t i, std::vector<long double>& forces) {
   if (i == p.size()) return;
   const auto residual = [&](long double force) {
@@ -101,7 +101,7 @@ void bisect(const Problem& p, std::size_t i, std::vector<long double>& forces) {
     for (std::size_t j = i + 1; j < p.size(); ++j) forces[j] = 0;
     bisect(p, i + 1, forces);
     long double x = p.free_increment[i];
-    for (std::size_t j = 0; j < p.size(); ++j) x -= p.admittance[i][j] * forces[j];
+    for (std::size_t j = 0; j < p.size(); ++j) x -= p.receptance[i][j] * forces[j];
     return force - plain_force(p, i, x);
   };
   long double low = 0, high = 1;
@@ -130,14 +130,14 @@ TYPED_TEST(OneContact, IsTheContactStep) {
     std::vector<T> before;
     for (std::size_t i = 0; i < 3; ++i) {
       CoupledConnection<T>& c = solver[i];
-      solver.set_admittance(i, i, static_cast<T>(random.log_between(1e-12, 1e-4)));
+      solver.set_receptance(i, i, static_cast<T>(random.log_between(1e-12, 1e-4)));
       c.contact = {static_cast<T>(random.log_between(0.1, 10)), random.below(2) != 0 ? T(0.3) : T(0)};
       c.compression = static_cast<T>(random.between(-1e-4, 1e-3));
       c.free_increment = static_cast<T>(random.between(-1e-3, 1e-3));
       c.segment = segment_index(c.table, c.compression);
       before.push_back(c.compression);
       expected.push_back(contact_step(c.table, c.contact, T(1 / kRate),
-                                      {c.compression, c.free_increment, solver.admittance(i, i)}, c.segment,
+                                      {c.compression, c.free_increment, solver.receptance(i, i)}, c.segment,
                                       c.memory.last_increment()));
       solver.add(i);
     }
@@ -145,7 +145,7 @@ TYPED_TEST(OneContact, IsTheContactStep) {
     solver.advance();
     for (std::size_t i = 0; i < 3; ++i) {
       const T motion = std::abs(before[i]) + std::abs(solver[i].free_increment);
-      const T force = std::abs(expected[i].force) + motion / solver.admittance(i, i);
+      const T force = std::abs(expected[i].force) + motion / solver.receptance(i, i);
       ASSERT_TRUE(within(solver[i].force, expected[i].force, kRounding * force)) << n;
       ASSERT_TRUE(within(solver[i].compression, expected[i].compression, kRounding * motion)) << n;
       ASSERT_EQ(solver[i].segment, segment_index(solver[i].table, solver[i].compression)) << n;
@@ -200,7 +200,7 @@ TEST(CoupledContacts, AgreesWithBisectionWhereContactsSoften) {
   expect_agreement_with_bisection(2, 1000, CoupledContacts<double>::kPatience, Law::uneven);
 }
 
-// Two problems without admittance between them give the bits that each gives alone.
+// Two problems without receptance between them give the bits that each gives alone.
 TEST(CoupledContacts, SolvesIndependentGroupsApart) {
   Random random(3);
   for (int n = 0; n < 1000; ++n) {
@@ -211,9 +211,9 @@ TEST(CoupledContacts, SolvesIndependentGroupsApart) {
     both.begin();
     for (std::size_t i = 0; i < 7; ++i)
       for (std::size_t j = 0; j < 7; ++j)
-        both.set_admittance(i, j,
-                            i < 3 && j < 3     ? a.admittance[i][j]
-                            : i >= 3 && j >= 3 ? b.admittance[i - 3][j - 3]
+        both.set_receptance(i, j,
+                            i < 3 && j < 3     ? a.receptance[i][j]
+                            : i >= 3 && j >= 3 ? b.receptance[i - 3][j - 3]
                                                : 0);
     for (std::size_t i = 0; i < 7; ++i) {
       both[i] = i < 3 ? of_a[i] : of_b[i - 3];

@@ -93,11 +93,11 @@ struct ExactStep {
 /// One approach to an exact contact. h(x) = x - xf + xi [V(y0 + x) - V(y0)]/x rises with slope >= 1.
 class ExactApproach {
  public:
-  ExactApproach(const ExactContact& contact, Wide compression, Wide free_increment, Wide admittance)
+  ExactApproach(const ExactContact& contact, Wide compression, Wide free_increment, Wide receptance)
       : contact_(contact),
         y0_(compression),
         xf_(free_increment),
-        xi_(admittance),
+        xi_(receptance),
         start_(contact.segment_of(compression)),
         f0_(contact.force(compression)) {}
 

@@ -70,7 +70,7 @@ TEST(ExactApproach, SolvesItsEquation) {
   for (const auto& table : tables) contacts.emplace_back(table.segments);
   for (int i = 0; i < 3000; ++i) {
     const auto step = steps.next();
-    const Wide xf = step.free_increment, xi = step.admittance;
+    const Wide xf = step.free_increment, xi = step.receptance;
     const ExactApproach approach(contacts[step.table], step.compression, xf, xi);
     const ExactStep exact = approach.solve();
     const Wide scale = std::max(magnitude(exact.increment), magnitude(xf));
@@ -103,7 +103,7 @@ TEST(StepCases, ReadBackAndNoticeWhatIsMissing) {
   const auto read = read_step_cases<float>(path);
   ASSERT_TRUE(read.tables.size() == 1 && read.cases.size() == 1 && read.extremes.size() == 1);
   EXPECT_TRUE(read.tables[0][1].half_curvature == 1 && read.cases[0].max_force == 8);
-  EXPECT_EQ(read.extremes[0].admittance, 3);
+  EXPECT_EQ(read.extremes[0].receptance, 3);
   EXPECT_THROW((void)read_step_cases<double>(path), std::runtime_error);
   for (auto size = fs::file_size(path); size-- > 0;) {
     fs::resize_file(path, size);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The contact step in single precision on every free increment there is, beside the step in double precision.
 //
-//   exhaustive_step triples [EVERY [FIRST]]  five triples of table, compression and admittance, each of all 2^32
+//   exhaustive_step triples [EVERY [FIRST]]  five triples of table, compression and receptance, each of all 2^32
 //                                            increments
-//   exhaustive_step grid [EVERY]             12 tables by 8 compressions and 4 admittances, each of every 1,009th
+//   exhaustive_step grid [EVERY]             12 tables by 8 compressions and 4 receptances, each of every 1,009th
 //                                            increment
 //   exhaustive_step planted                  one wrong answer in each of them, of which one must be found
 //
@@ -82,7 +82,7 @@ struct Table {
 
 struct Triple {
   const Table* table;
-  float compression, admittance;
+  float compression, receptance;
 };
 
 /// The worst that was found, in parts of the bounds.
@@ -108,7 +108,7 @@ class Judge {
   Judge(const Triple& triple, bool plants)
       : table_(*triple.table),
         y0_(triple.compression),
-        xi_(triple.admittance),
+        xi_(triple.receptance),
         start_(segment_index(SegmentTable<float>(table_.single), y0_)),
         lost_n_(std::sqrt(kLost / double{xi_}) + kSmallest),
         plants_(plants) {}

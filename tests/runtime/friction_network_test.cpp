@@ -34,10 +34,10 @@ TEST(CoupledFriction, IsThatOfContactsOnTwoSegments) {
     const double scale = random.log_between(1e-9, 1e-4);
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t j = 0; j <= i; ++j) {
-        double admittance = 0;
-        for (std::size_t m = 0; m < 6; ++m) admittance += scale * shapes[i][m] * shapes[j][m];
-        points.set_admittance(i, j, admittance);
-        contacts.set_admittance(i, j, admittance);
+        double receptance = 0;
+        for (std::size_t m = 0; m < 6; ++m) receptance += scale * shapes[i][m] * shapes[j][m];
+        points.set_receptance(i, j, receptance);
+        contacts.set_receptance(i, j, receptance);
       }
     std::vector<std::array<Segment<double>, 3>> tables(n);
     std::vector<double> limits(n);
@@ -60,7 +60,7 @@ TEST(CoupledFriction, IsThatOfContactsOnTwoSegments) {
       contact.compression = points[i].friction.strain() + points[i].friction.law().yield;
       contact.segment = 1;
       contact.free_increment = points[i].free_increment;
-      for (std::size_t j = 0; j < n; ++j) contact.free_increment += contacts.admittance(i, j) * limits[j];
+      for (std::size_t j = 0; j < n; ++j) contact.free_increment += contacts.receptance(i, j) * limits[j];
       points.add(i), contacts.add(i);
     }
     points.solve(), contacts.solve();
@@ -198,7 +198,7 @@ FrictionBooks friction_books(RandomFriction& random, ContactNetwork<double>& net
     const auto& solver = network.solver();
     for (const std::size_t k : solver.active()) {
       const double force = std::abs(solver[k].force);
-      books.rounding += force * (std::abs(solver[k].free_increment) + solver.admittance(k, k) * force);
+      books.rounding += force * (std::abs(solver[k].free_increment) + solver.receptance(k, k) * force);
     }
     for (const std::size_t point : random.points) {
       if (solver[point].force == 0) continue;
@@ -303,7 +303,7 @@ TYPED_TEST(NetworkFriction, OfABowedStringBalancesItsEnergy) {
     for (const std::size_t k : network.solver().active()) {
       const double force = std::abs(network.solver()[k].force);
       rounding += double(std::numeric_limits<T>::epsilon()) * force *
-                  (std::abs(double(network.solver()[k].free_increment)) + network.solver().admittance(k, k) * force);
+                  (std::abs(double(network.solver()[k].free_increment)) + network.solver().receptance(k, k) * force);
     }
   }
   EXPECT_EQ(allocations, before);

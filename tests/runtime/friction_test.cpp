@@ -142,11 +142,11 @@ struct Block {
         friction(bristles, sample_rate_hz) {}
 
   FrictionStep<T> tick(const FrictionControls<T>& controls, long double surface_speed = 0, long double push_n = 0) {
-    const long double dt = time_step_s, admittance = 1 / (2 * mass_kg / (dt * dt) + spring_n_per_m / 2);
-    const long double free = admittance * (2 * mass_kg * velocity / dt - spring_n_per_m * displacement + push_n);
+    const long double dt = time_step_s, receptance = 1 / (2 * mass_kg / (dt * dt) + spring_n_per_m / 2);
+    const long double free = receptance * (2 * mass_kg * velocity / dt - spring_n_per_m * displacement + push_n);
     const long double carried = surface_speed * dt;
-    const auto step = friction.tick(controls, T(carried - free), T(admittance));
-    const long double moved = free + admittance * step.force;
+    const auto step = friction.tick(controls, T(carried - free), T(receptance));
+    const long double moved = free + receptance * step.force;
     work_j += step.force * carried + push_n * moved;
     heat_j += friction.heat();
     displacement += moved;

@@ -182,7 +182,7 @@ TEST(HammerString, AgreesWithAnIterativeSolutionOfTheSameScheme) {
     const auto strike = shapes<double>(modes, &ResonatorMode::strike_shape);
     const double dt = 1 / 44100.0;
     ModalBank<double> string(bare(modes), 44100);
-    const double xi = dt * dt / (2 * struck.hammer_kg) + string.admittance(strike, strike);
+    const double xi = dt * dt / (2 * struck.hammer_kg) + string.receptance(strike, strike);
     double y = -kDistance, v = kSpeed;
     std::vector<double> expected;
     Stroke<double> stroke(struck, 44100, 16);

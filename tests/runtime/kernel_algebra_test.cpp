@@ -90,10 +90,10 @@ TYPED_TEST(KernelAlgebra, AdvanceABodyThatStretches) {
           plain.arrays(), {squares.data(), gradient.data(), plain_motion.data(), moved_by}, plain_sums);
       detail::kernels<T>.advance_stretching(tested.arrays(),
                                             {squares.data(), gradient.data(), motion.data(), moved_by}, sums);
-      // All numbers are below 10. The sums have `size` terms, or the terms of the last one an admittance each.
+      // All numbers are below 10. The sums have `size` terms, or the terms of the last one a receptance each.
       const double eps = 64 * double(std::numeric_limits<T>::epsilon());
       const double bounds[] = {eps * double(size), eps * double(size), eps * double(size),
-                               eps * double(size) * double(plain.admittance(0))};
+                               eps * double(size) * double(plain.receptance(0))};
       for (std::size_t k = 0; k < 4; ++k)
         EXPECT_TRUE(within(double(sums[k]), double(plain_sums[k]), bounds[k])) << size << " " << k;
       for (std::size_t i = 0; i < size; ++i) {
@@ -101,7 +101,7 @@ TYPED_TEST(KernelAlgebra, AdvanceABodyThatStretches) {
         ASSERT_TRUE(within(double(b.change[i]), double(a.change[i]), eps));
         ASSERT_TRUE(within(double(b.displacement[i]), double(a.displacement[i]), eps));
         ASSERT_TRUE(within(double(b.free_increment[i]), double(a.free_increment[i]), eps));
-        ASSERT_TRUE(within(double(motion[i]), double(plain_motion[i]), eps * double(plain.admittance(i))));
+        ASSERT_TRUE(within(double(motion[i]), double(plain_motion[i]), eps * double(plain.receptance(i))));
       }
     }
   }
@@ -171,7 +171,7 @@ TYPED_TEST(KernelAlgebra, RetuneModes) {
           const bool sounds = i != 2;
           const double cosine = std::cos(after[i].angular_frequency_rad_per_s / kRate / 2),
                        eps = std::max(double(std::numeric_limits<T>::epsilon()), 1e-15 / (sounds ? cosine : 1));
-          ASSERT_TRUE(relatively_within(double(bank.admittance(i)), double(expected.admittance(i)), 4 * eps)) << i;
+          ASSERT_TRUE(relatively_within(double(bank.receptance(i)), double(expected.receptance(i)), 4 * eps)) << i;
           ASSERT_EQ(bank.displacement(i), sounds ? expected.displacement(i) : 0) << i;
           // A displacement of 1 mm and a speed of 1 m/s both move less than 1 mm a sample.
           const double moved = sounds ? double(expected.free_increments()[i]) : 0;

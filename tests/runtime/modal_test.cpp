@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Poles, passivity and admittance of the modal bank.
+// Poles, passivity and receptance of the modal bank.
 #include "contactspline/modal/modal.hpp"
 
 #include <algorithm>
@@ -65,17 +65,17 @@ TEST(ModalBank, RingsForASecondAsTheClosedForm) {
   EXPECT_TRUE(sequences_within<double>(q, expected, 1e-9));
 }
 
-// One push of force f moves the place by admittance f within the sample: nothing else acts. The sum over modes
-// cancels; by Cauchy and Schwarz its terms add up to at most the mean of the two places' own admittances.
-TEST(ModalBank, MovesByItsAdmittance) {
+// One push of force f moves the place by receptance f within the sample: nothing else acts. The sum over modes
+// cancels; by Cauchy and Schwarz its terms add up to at most the mean of the two places' own receptances.
+TEST(ModalBank, MovesByItsReceptance) {
   const auto modes = audible_modes(c4());
   const auto strike = shapes<double>(modes, &ResonatorMode::strike_shape);
   const auto pickup = shapes<double>(modes, &ResonatorMode::pickup_shape);
   ModalBank<double> bank(bare(modes), 44100);
   bank.predict();
   bank.push(strike, 7.0);
-  const double expected = 7.0 * bank.admittance(pickup, strike);
-  const double terms = 7.0 * std::sqrt(bank.admittance(pickup, pickup) * bank.admittance(strike, strike));
+  const double expected = 7.0 * bank.receptance(pickup, strike);
+  const double terms = 7.0 * std::sqrt(bank.receptance(pickup, pickup) * bank.receptance(strike, strike));
   EXPECT_TRUE(within(bank.increment(pickup), expected, 1e-14 * terms));
   bank.commit();
   EXPECT_TRUE(within(bank.displacement(pickup), expected, 1e-14 * terms));
@@ -123,12 +123,12 @@ struct MidpointRule {
   }
 
   // Change of displacement from rest per newton: the force works against inertia, resistance and half the spring.
-  [[nodiscard]] long double admittance(long double rate) const {
+  [[nodiscard]] long double receptance(long double rate) const {
     return 1 / (2 * mass * rate * rate + resistance * rate + stiffness / 2);
   }
 };
 
-// Random modes at random rates, also so damped that they hardly oscillate. The admittance is a product of ten factors
+// Random modes at random rates, also so damped that they hardly oscillate. The receptance is a product of ten factors
 // with one rounding each, and the sine counts twice: at most 18 times 2^-53, 2e-15. In the reference z - 1 loses up
 // to 2^-64/(1e-4 pi), 2e-16.
 TEST(ModalBank, IsPassiveForAnyDampingAndRate) {
@@ -142,8 +142,8 @@ TEST(ModalBank, IsPassiveForAnyDampingAndRate) {
     const MidpointRule rule(mode, rate);
     ASSERT_GE(rule.resistance, 0);
     ASSERT_GT(rule.mass, 0);
-    ASSERT_TRUE(relatively_within(detail::mode_constants(mode, rate).admittance,
-                                  static_cast<double>(rule.admittance(rate)), 2e-15))
+    ASSERT_TRUE(relatively_within(detail::mode_constants(mode, rate).receptance,
+                                  static_cast<double>(rule.receptance(rate)), 2e-15))
         << mode.angular_frequency_rad_per_s << " " << mode.decay_per_s << " " << rate;
   }
 }

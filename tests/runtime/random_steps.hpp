@@ -79,7 +79,7 @@ std::vector<TestTable<T>> test_tables() {
 template <typename T>
 struct RandomStep {
   std::uint32_t table;
-  T compression, free_increment, admittance;
+  T compression, free_increment, receptance;
   std::optional<Wide> increment;  ///< the root but for the rounding of xf, where the step was built from it
 };
 
@@ -88,7 +88,7 @@ struct RandomStep {
 inline constexpr std::size_t kPairedSegments = 200;
 
 /// A sequence of steps, the same on every machine. Lengths run over twelve decades of either sign beside the range of
-/// the table, admittances over twelve decades about range / force: from soft (xi V'' = 1e-6) to stiff (1e6).
+/// the table, receptances over twelve decades about range / force: from soft (xi V'' = 1e-6) to stiff (1e6).
 template <typename T>
 class RandomSteps {
  public:
@@ -137,7 +137,7 @@ class RandomSteps {
     const auto scaled = [&](T value) { return std::ldexp(value, -static_cast<int>(random_.below(kDepth))); };
     if (random_.below(2) == 0) step.compression = scaled(step.compression);
     if (random_.below(4) != 0) step.free_increment = scaled(step.free_increment);
-    if (random_.below(4) == 0) step.admittance = std::max(scaled(step.admittance), std::numeric_limits<T>::min());
+    if (random_.below(4) == 0) step.receptance = std::max(scaled(step.receptance), std::numeric_limits<T>::min());
     return step;
   }
 
@@ -155,7 +155,7 @@ class RandomSteps {
                           (static_cast<double>(segments[segment + 1].knot) - left) * random_.between(0.1, 0.9));
   }
 
-  /// The step from y0 to y1 with any admittance: xf = x + xi (mean force), rounded.
+  /// The step from y0 to y1 with any receptance: xf = x + xi (mean force), rounded.
   RandomStep<T> between(std::size_t table, T y0, T y1) { return towards(table, y0, Wide(y1) - Wide(y0)); }
 
  private:
@@ -168,7 +168,7 @@ class RandomSteps {
     return between(table, within(table, start, -2, 0), within(table, end_segment, -2, 0));
   }
 
-  T admittance(std::size_t table) {
+  T receptance(std::size_t table) {
     return static_cast<T>(random_.decades(-6, 6) * tables_[table].range_m / tables_[table].force_n);
   }
   T length(std::size_t table) { return static_cast<T>(tables_[table].range_m * random_.decades(-9, 3)); }
@@ -187,7 +187,7 @@ class RandomSteps {
   }
 
   RandomStep<T> towards(std::size_t table, T y0, Wide x) {
-    const T xi = admittance(table);
+    const T xi = receptance(table);
     const ExactApproach approach(contacts_[table], y0, 0, xi);
     const Wide xf = x + Wide(xi) * approach.mean_force(x);
     return {static_cast<std::uint32_t>(table), y0, static_cast<T>(xf), xi, x};
@@ -202,12 +202,12 @@ class RandomSteps {
     const T y0 = random_.below(16) == 0 ? T(0) : -length(table);
     const double fraction = random_.below(4) == 0 ? 1.0 : random_.between(-2.0, 1.0);
     const T xf = y0 == 0 ? -length(table) : static_cast<T>(-fraction * static_cast<double>(y0));
-    return {static_cast<std::uint32_t>(table), y0, xf, admittance(table), {}};
+    return {static_cast<std::uint32_t>(table), y0, xf, receptance(table), {}};
   }
   RandomStep<T> free(std::size_t table) {
     const T y0 = static_cast<T>(random_.sign()) * length(table);
     const T xf = static_cast<T>(random_.sign()) * length(table);
-    return {static_cast<std::uint32_t>(table), y0, xf, admittance(table), {}};
+    return {static_cast<std::uint32_t>(table), y0, xf, receptance(table), {}};
   }
 
   const std::vector<TestTable<T>>& tables_;

@@ -295,7 +295,7 @@ TEST(RoughContact, BalancesTheEnergyOfRandomNetworks) {
       for (const std::size_t k : network.solver().active()) {
         const double force = std::abs(network.solver()[k].force);
         rounding += std::numeric_limits<double>::epsilon() * force *
-                    (std::abs(network.solver()[k].free_increment) + network.solver().admittance(k, k) * force);
+                    (std::abs(network.solver()[k].free_increment) + network.solver().receptance(k, k) * force);
       }
     }
     EXPECT_TRUE(within(error, 0, 1e-12 * peak + 8 * rounding)) << "network " << seed;

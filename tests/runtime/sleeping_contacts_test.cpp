@@ -35,7 +35,7 @@ Sleep expect_no_contact_missed(double displacement_m, double push_n) {
   for (const double place : places) shapes.emplace_back(string_shapes(40, place));
   for (std::size_t i = 0; i < places.size(); ++i) {
     for (std::size_t j = 0; j < places.size(); ++j)
-      solver.set_admittance(i, j, bank.admittance(shapes[i], shapes[j]));
+      solver.set_receptance(i, j, bank.receptance(shapes[i], shapes[j]));
     solver[i].table = table;
     solver[i].compression = bank.displacement(shapes[i]) - gaps[i];
   }

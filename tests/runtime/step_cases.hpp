@@ -25,7 +25,7 @@ struct StepCase {
   std::uint32_t table;
   T compression;           ///< y0 [m]
   T free_increment;        ///< xf [m]
-  T admittance;            ///< xi [m/N]
+  T receptance;            ///< xi [m/N]
   double increment;        ///< x [m]
   double increment_error;  ///< allowed, in both directions [m]
   double force;            ///< f [N]
@@ -37,7 +37,7 @@ struct StepCase {
 template <typename T>
 struct ExtremeStep {
   std::uint32_t table;
-  T compression, free_increment, admittance;
+  T compression, free_increment, receptance;
 };
 
 template <typename T>

@@ -70,7 +70,7 @@ class Checker {
 
   void fail(const char* what, const StepCase<T>& c, T force, T compression) {
     fail("%s: table %u, y0 %.17g, xf %.17g, xi %.17g: f %.17g instead of %.17g (%.17g to %.17g), y1 %.17g, x %.17g",
-         what, c.table, wide(c.compression), wide(c.free_increment), wide(c.admittance), wide(force), c.force,
+         what, c.table, wide(c.compression), wide(c.free_increment), wide(c.receptance), wide(force), c.force,
          c.min_force, c.max_force, wide(compression), c.increment);
   }
 
@@ -85,7 +85,7 @@ class Checker {
   void check(const Tables& tables, const StepCase<T>& c, std::size_t index) {
     ++steps_;
     const SegmentTable<T> table(tables[c.table]);
-    const auto step = contact_step(table, Approach<T>{c.compression, c.free_increment, c.admittance});
+    const auto step = contact_step(table, Approach<T>{c.compression, c.free_increment, c.receptance});
     T force = step.force;
     if (index >= planted_ && c.force > 0) {
       force = planted(force, c);
@@ -105,8 +105,8 @@ class Checker {
 
   // The increment is judged both as callers compute it from the force and as the step gives it.
   void judge(const StepCase<T>& c, T force, T compression) {
-    const double f = wide(force), xf = wide(c.free_increment), xi = wide(c.admittance);
-    const T x = c.free_increment - c.admittance * force;
+    const double f = wide(force), xf = wide(c.free_increment), xi = wide(c.receptance);
+    const T x = c.free_increment - c.receptance * force;
     const double error = std::abs(wide(x) - c.increment);
     const double allowed = c.increment_error + 2 * kRoundoff<T> * (std::abs(c.increment) + xi * c.force);
     const double y1 = wide(c.compression) + c.increment;
@@ -131,10 +131,10 @@ class Checker {
   void check(const Tables& tables, const ExtremeStep<T>& e) {
     ++extremes_;
     const SegmentTable<T> table(tables[e.table]);
-    const auto step = contact_step(table, Approach<T>{e.compression, e.free_increment, e.admittance});
+    const auto step = contact_step(table, Approach<T>{e.compression, e.free_increment, e.receptance});
     if (is_finite(step.force) && is_finite(step.compression) && step.force >= 0) return;
     fail("not finite or negative: table %u, y0 %a, xf %a, xi %a: f %a, y1 %a", e.table, wide(e.compression),
-         wide(e.free_increment), wide(e.admittance), wide(step.force), wide(step.compression));
+         wide(e.free_increment), wide(e.receptance), wide(step.force), wide(step.compression));
   }
 
   // Counts the pairs of start and end segment that the cases cover, found without the search under test.

@@ -77,7 +77,7 @@ Wide force_fraction(const ExactContact& contact, const ExactApproach& approach, 
 template <typename T>
 StepCase<T> answered(const RandomStep<T>& step, const ExactContact& contact) {
   const Wide xf = step.free_increment;
-  const ExactApproach approach(contact, step.compression, xf, step.admittance);
+  const ExactApproach approach(contact, step.compression, xf, step.receptance);
   const ExactStep exact =
       step.increment ? approach.solve_near(*step.increment, 4 * kRoundoff<T> * magnitude(xf)) : approach.solve();
   const Wide increment_shift = kIncrementRoundoff<T> * (magnitude(exact.increment) + magnitude(xf));
@@ -86,9 +86,9 @@ StepCase<T> answered(const RandomStep<T>& step, const ExactContact& contact) {
   return {step.table,
           step.compression,
           step.free_increment,
-          step.admittance,
+          step.receptance,
           static_cast<double>(exact.increment),
-          static_cast<double>(increment_shift + fraction * step.admittance * exact.force),
+          static_cast<double>(increment_shift + fraction * step.receptance * exact.force),
           static_cast<double>(exact.force),
           static_cast<double>(approach.force_at_shift(exact, -force_shift) * (1 - fraction)),
           static_cast<double>(approach.force_at_shift(exact, force_shift) * (1 + fraction))};

@@ -64,7 +64,7 @@ class StringAtStop {
   void tick() {
     bank_.predict();
     End& end = ends_[sample_++ % 2];
-    const Approach<T> approach{end.compression, bank_.increment(at_), bank_.admittance(at_, at_)};
+    const Approach<T> approach{end.compression, bank_.increment(at_), bank_.receptance(at_, at_)};
     const auto step = contact_step(SegmentTable<T>(table_), approach, end.segment);
     bank_.push(at_, -step.force);
     bank_.commit();

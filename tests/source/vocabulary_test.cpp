@@ -25,6 +25,8 @@ const std::map<std::string, std::string> kWords = {{"levelled", "equioscillating
                                                    {"contest", "paired timer"},
                                                    {"duty", "workload"},
                                                    {"duties", "workloads"},
+                                                   {"admittance", "receptance"},
+                                                   {"admittances", "receptances"},
                                                    {"picture", "figure"},
                                                    {"pictures", "figures"}};
 

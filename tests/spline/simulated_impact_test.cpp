@@ -101,7 +101,7 @@ TEST(Mb1ExitTime, IsThePublishedOneFromOneCommonStart) {
 /// The same scheme on the power law itself: the discrete gradient's equation solved by bisection to the last bit.
 double newton_form_duration(const Strike& strike, double rate, double phase) {
   const double dt = 1 / rate;
-  const double admittance = dt * dt / (2 * strike.mass_kg);
+  const double receptance = dt * dt / (2 * strike.mass_kg);
   double y = -phase * strike.speed_m_per_s * dt;
   double v = strike.speed_m_per_s;
   int samples = 0;
@@ -110,9 +110,9 @@ double newton_form_duration(const Strike& strike, double rate, double phase) {
     const double energy = strike.law.energy(y);
     // h(x) = x + xi [V(y + x) - V(y)]/x - xf rises strictly; the force is never more than that at full approach.
     const auto is_beyond = [&](double x) {
-      return x - free + admittance * (strike.law.energy(y + x) - energy) / x > 0;
+      return x - free + receptance * (strike.law.energy(y + x) - energy) / x > 0;
     };
-    double low = free - admittance * strike.law.force(y + std::abs(free)), high = free;
+    double low = free - receptance * strike.law.force(y + std::abs(free)), high = free;
     for (int i = 0; i < 100; ++i) (is_beyond((low + high) / 2) ? high : low) = (low + high) / 2;
     y += low;
     v = 2 * low / dt - v;

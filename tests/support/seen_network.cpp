@@ -83,7 +83,7 @@ double SeenNetwork<T>::rounding_j(std::size_t connection) const {
   const double f = std::abs(double(force(connection)));
   return std::numeric_limits<T>::epsilon() * f *
          (std::abs(double(solver[connection].free_increment)) +
-          double(solver.admittance(connection, connection)) * f);
+          double(solver.receptance(connection, connection)) * f);
 }
 
 template class SeenNetwork<float>;

@@ -464,7 +464,7 @@ TEST(NetworkGradient, TakesWeightsOfAnyLength) {
 }
 
 // Nothing moves, so the force is that of the table at the compression that the gap leaves, but for the least
-// admittance that the solver knows, 1e-18 m/N: by it the compression creeps in each sample.
+// receptance that the solver knows, 1e-18 m/N: by it the compression creeps in each sample.
 TEST(NetworkGradient, TakesAPlanWithoutModes) {
   constexpr std::size_t kAll = 130;  // more than a block
   const auto felt = power_table<double>(1e8, 2.3, 1e-3, 40);

@@ -93,7 +93,7 @@ struct ExactStrike {
   Real others[kOthers] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
 
   struct ExactMode {
-    Real stiffness, loss, push, shape, output, admittance;
+    Real stiffness, loss, push, shape, output, receptance;
   };
 
   [[nodiscard]] std::vector<ExactMode> modes_of(const StruckAtRandom& s) const {
@@ -109,10 +109,10 @@ struct ExactStrike {
       const Real w = std::sqrt(square - decay * decay), half_sine = std::sin(w * dt / 2);
       const Real r = std::exp(-decay * dt), lost = -std::expm1(-decay * dt);  // |1 - z|^2 without cancellation:
       const Real stiffness = lost * lost + 4 * r * half_sine * half_sine;
-      const Real admittance = w * dt < std::numbers::pi_v<Real> ? stiffness / (mass * square) : 0;
+      const Real receptance = w * dt < std::numbers::pi_v<Real> ? stiffness / (mass * square) : 0;
       const Real shape = std::sin(beta * s.strike_m * others[9]);
-      modes.push_back({stiffness, -std::expm1(-2 * decay * dt), admittance * shape, shape,
-                       std::sin(beta * s.pickup_m * others[10]), admittance * shape * shape});
+      modes.push_back({stiffness, -std::expm1(-2 * decay * dt), receptance * shape, shape,
+                       std::sin(beta * s.pickup_m * others[10]), receptance * shape * shape});
     }
     return modes;
   }
@@ -122,13 +122,13 @@ struct ExactStrike {
     const Real dt = 1 / Real(s.kRate), gain = 1 / (1 + s.damping * dt), mass = s.felt.mass * others[0];
     const auto modes = modes_of(s);
     ExactContact contact(s.felt, felt, s.kRate);
-    Real admittance = dt * dt / (2 * mass), y = -s.distance * others[2], v = s.felt.speed * others[1];
-    for (const ExactMode& mode : modes) admittance += gain * mode.admittance;
+    Real receptance = dt * dt / (2 * mass), y = -s.distance * others[2], v = s.felt.speed * others[1];
+    for (const ExactMode& mode : modes) receptance += gain * mode.receptance;
     std::vector<Real> q(modes.size()), d(modes.size()), outputs, forces;
     for (std::size_t n = 0; n < kSamples; ++n) {
       Real xf = dt * v, output = 0;
       for (std::size_t i = 0; i < modes.size(); ++i) xf -= gain * modes[i].shape * d[i];
-      const auto step = contact.advance({y, xf, admittance});
+      const auto step = contact.advance({y, xf, receptance});
       y = step.compression;
       v -= dt / mass * step.force;
       for (std::size_t i = 0; i < modes.size(); ++i) {

@@ -151,14 +151,14 @@ export class StoryNumbers {
     const { design, compressions, forces, step } = this.blow(null, 2.5, { ratio, finer: 1, design: this.pieces });
     const n = forces.indexOf(Math.max(...forces));
     const [before, end, force] = [compressions[n - 1], compressions[n], forces[n]];
-    const admittance = step ** 2 / (2 * kMass);
-    const free = end + admittance * force;
+    const receptance = step ** 2 / (2 * kMass);
+    const free = end + receptance * force;
     const energy = energyAt(design.table, before);
     const mean = (y) => (ratio * (energyAt(design.table, y) - energy)) / (y - before);
     // As far to both sides as the force takes from the free way.
     const reach = free - end;
     const points = Array.from({ length: kCurve }, (_, i) => end + reach * ((2 * i + 1) / kCurve - 1));
-    const curves = points.map((y) => [y, mean(y), (free - y) / admittance, null]);
+    const curves = points.map((y) => [y, mean(y), (free - y) / receptance, null]);
     const rows = [...curves, [end, null, null, force]].toSorted(([a], [b]) => a - b);
     const data = [rows.map(([y]) => 1000 * y), ...[1, 2, 3].map((k) => rows.map((row) => row[k]))];
     return { before, end, free, force, mean: mean(end), data };

@@ -124,19 +124,19 @@ struct InstrumentParts {
                                   double sample_rate_hz) const {
     for (std::size_t k = 0; k < data.connections.size(); ++k) {
       const InstrumentConnection& c = data.connections[k];
-      const double admittance = network.largest_admittance(k) + lightest(data, c, sample_rate_hz);
+      const double receptance = network.largest_receptance(k) + lightest(data, c, sample_rate_hz);
       if (c.kind == ConnectionKind::kLink && may_be_strained(data, k)) return true;
       if (c.kind == ConnectionKind::kSpring) {
         const double stiffness = largest(data, ControlQuantity::kStiffness, k, c.stiffness_n_per_m);
         const double resistance = largest(data, ControlQuantity::kResistance, k, c.resistance_n_s_per_m);
         if (stiffness > 0 && may_be_strained(data, k)) return true;
-        if (admittance * (stiffness / 2 + resistance * sample_rate_hz) > kMaxSpring) return true;
+        if (receptance * (stiffness / 2 + resistance * sample_rate_hz) > kMaxSpring) return true;
       } else if (c.kind == ConnectionKind::kContact) {
         double half_curvature = 0;
         for (const Segment<T>& segment : tables[c.table])
           half_curvature = (std::max)(half_curvature, double(segment.half_curvature));
         const double ratio = c.weight * largest(data, ControlQuantity::kStiffnessRatio, k, 1);
-        if (admittance * ratio * half_curvature > kMaxContact) return true;
+        if (receptance * ratio * half_curvature > kMaxContact) return true;
       }
     }
     return false;
@@ -149,7 +149,7 @@ struct InstrumentParts {
   std::vector<std::vector<Segment<T>>> tables;
 
  private:
-  // Largest slope of a force times admittance, of springs and of contacts, that single precision is trusted with.
+  // Largest slope of a force times receptance, of springs and of contacts, that single precision is trusted with.
   static constexpr double kMaxSpring = 100, kMaxContact = 1000;
 
   // May connection k have a gap at rest?
@@ -169,7 +169,7 @@ struct InstrumentParts {
     return in_file;
   }
 
-  // What controls of masses may add to the admittance of a connection.
+  // What controls of masses may add to the receptance of a connection.
   [[nodiscard]] double lightest(const InstrumentData& data, const InstrumentConnection& connection,
                                 double sample_rate_hz) const {
     double added = 0;

@@ -26,7 +26,7 @@ namespace contactspline {
 /// commit(). No allocation after construction.
 ///
 /// The state of a mode is its displacement q and its free increment d: the change of q over the next sample if no
-/// force acts. A sample changes q by c = d + admittance shape f, and d becomes 2 c - d - (loss c + stiffness q). This
+/// force acts. A sample changes q by c = d + receptance shape f, and d becomes 2 c - d - (loss c + stiffness q). This
 /// is the midpoint rule with the velocity eliminated (docs/how-it-works/modal.md). Only small numbers are added, so
 /// single precision keeps 100 dB.
 ///
@@ -42,7 +42,7 @@ class ModalBank {
         stiffness_(modes.size()),
         stiffness_rest_(modes.size()),
         loss_(modes.size()),
-        admittance_(modes.size()),
+        receptance_(modes.size()),
         displacement_(modes.size()),
         free_increment_(modes.size()),
         change_(modes.size()) {
@@ -53,13 +53,13 @@ class ModalBank {
   [[nodiscard]] constexpr std::size_t size() const { return displacement_.size(); }
 
   /// Change of displacement over one sample at place `at` per newton at place `of_force` [m/N]: the sum of
-  /// admittance shape shape.
-  [[nodiscard]] constexpr T admittance(const Shapes& at, const Shapes& of_force) const {
-    return detail::sum_of<T>(size(), [&](std::size_t i) { return admittance_[i] * at[i] * of_force[i]; });
+  /// receptance shape shape.
+  [[nodiscard]] constexpr T receptance(const Shapes& at, const Shapes& of_force) const {
+    return detail::sum_of<T>(size(), [&](std::size_t i) { return receptance_[i] * at[i] * of_force[i]; });
   }
 
   /// Change of displacement of one mode over one sample per newton [m/N].
-  [[nodiscard]] constexpr T admittance(std::size_t mode) const { return admittance_[mode]; }
+  [[nodiscard]] constexpr T receptance(std::size_t mode) const { return receptance_[mode]; }
 
   /// Displacement at a place [m].
   [[nodiscard]] constexpr T displacement(const Shapes& at) const { return product(at, displacement_); }
@@ -116,8 +116,8 @@ class ModalBank {
 
   /// Begins a sample with a damper that acts on all modes equally. It is a viscous resistance, which multiplies each
   /// increment by the damping gain 1/(1 + damping); damping = extra decay [1/s] times dt, 0 to 1e5, and the last one
-  /// if it is not a number. push() and admittance() do not apply this gain: multiply the forces of this sample and
-  /// the admittances by it.
+  /// if it is not a number. push() and receptance() do not apply this gain: multiply the forces of this sample and
+  /// the receptances by it.
   void predict(T damping) {
     damping_ = held(damping_, damping, ControlRanges<T>::damping);
     const T damping_gain = 1 / (1 + damping_);
@@ -138,7 +138,7 @@ class ModalBank {
   /// Adds a force [N] at a place for this sample.
   void push(const Shapes& at, T force) {
     T* __restrict change = change_.data();
-    for (std::size_t i = 0; i < size(); ++i) change[i] += admittance_[i] * at[i] * force;
+    for (std::size_t i = 0; i < size(); ++i) change[i] += receptance_[i] * at[i] * force;
   }
 
   /// Free increments over the next sample at several places [m], each an array of ModeShapes::data(), without damper.
@@ -193,7 +193,7 @@ class ModalBank {
   /// Displacement of a mode per static force [m/N].
   [[nodiscard]] double compliance(std::size_t mode) const {
     const detail::ModeConstants& constants = constants_[mode];
-    return constants.stiffness > 0 ? 2 * constants.admittance / constants.stiffness : 0;
+    return constants.stiffness > 0 ? 2 * constants.receptance / constants.stiffness : 0;
   }
 
   /// Moves the places from which the modes count their displacements by rest times `by_m`, as the end of a string
@@ -211,9 +211,9 @@ class ModalBank {
   /// The spring is that of the mode, or weaker. Precondition: can_give_away_spring.
   void give_away_spring(std::size_t mode, double spring_n_per_m) {
     detail::ModeConstants constants = constants_[mode];
-    const double gain = 1 / (1 - constants.admittance * spring_n_per_m / 2);
-    constants.stiffness = (std::max)(gain * (constants.stiffness - 2 * constants.admittance * spring_n_per_m), 0.0);
-    for (double* constant : {&constants.loss, &constants.admittance, &constants.one_plus_z_square}) *constant *= gain;
+    const double gain = 1 / (1 - constants.receptance * spring_n_per_m / 2);
+    constants.stiffness = (std::max)(gain * (constants.stiffness - 2 * constants.receptance * spring_n_per_m), 0.0);
+    for (double* constant : {&constants.loss, &constants.receptance, &constants.one_plus_z_square}) *constant *= gain;
     take(mode, constants);
   }
 
@@ -257,16 +257,16 @@ class ModalBank {
   /// The same of one mode [J].
   [[nodiscard]] double energy(std::size_t i) const {
     const detail::ModeConstants& mode = constants_[i];
-    if (mode.admittance == 0) return 0;
+    if (mode.receptance == 0) return 0;
     const double q = double(displacement_[i]);
-    return kinetic_energy(i) + mode.stiffness / 4 * q * q / mode.admittance;
+    return kinetic_energy(i) + mode.stiffness / 4 * q * q / mode.receptance;
   }
 
   /// The kinetic part of energy() [J]: 0 at rest, also under a load that bends the modes.
   [[nodiscard]] double kinetic_energy() const {
     double sum = 0;
     for (std::size_t i = 0; i < size(); ++i)
-      if (constants_[i].admittance > 0) sum += kinetic_energy(i);
+      if (constants_[i].receptance > 0) sum += kinetic_energy(i);
     return sum;
   }
 
@@ -274,21 +274,21 @@ class ModalBank {
   [[nodiscard]] double dissipated() const {
     double energy = 0;
     for (std::size_t i = 0; i < size(); ++i) {
-      if (constants_[i].admittance == 0) continue;
+      if (constants_[i].receptance == 0) continue;
       const double change = double(change_[i]);
-      energy += (double(loss_[i]) / 2 + double(damping_)) * change * change / constants_[i].admittance;
+      energy += (double(loss_[i]) / 2 + double(damping_)) * change * change / constants_[i].receptance;
     }
     return energy;
   }
 
-  /// Response of each mode to a force at a place. Per newton during one sample, its displacement rises by admittance
+  /// Response of each mode to a force at a place. Per newton during one sample, its displacement rises by receptance
   /// [m/N] and its free increment by free_increment_gain [m/N] at the end of the sample. amplitude_gain: amplitude of
   /// the oscillation at the place per metre of free increment, for a mode with displacement 0: shape / Im z.
-  void respond(const Shapes& at, detail::ModalArray<T>& admittance, detail::ModalArray<T>& free_increment_gain,
+  void respond(const Shapes& at, detail::ModalArray<T>& receptance, detail::ModalArray<T>& free_increment_gain,
                detail::ModalArray<T>& amplitude_gain) const {
     for (std::size_t i = 0; i < size(); ++i) {
-      admittance[i] = admittance_[i] * at[i];
-      free_increment_gain[i] = admittance[i] * (2 - loss_[i] - stiffness_[i]);
+      receptance[i] = receptance_[i] * at[i];
+      free_increment_gain[i] = receptance[i] * (2 - loss_[i] - stiffness_[i]);
       const double stiffness = constants_[i].stiffness;
       const double one_minus_real = (constants_[i].loss + stiffness) / 2;           // 1 - Re z
       const double imaginary_square = stiffness - one_minus_real * one_minus_real;  // (Im z)^2
@@ -305,7 +305,7 @@ class ModalBank {
             stiffness_.data(),
             stiffness_rest_.data(),
             loss_.data(),
-            admittance_.data(),
+            receptance_.data(),
             displacement_.data(),
             free_increment_.data(),
             change_.data()};
@@ -336,7 +336,7 @@ class ModalBank {
   [[nodiscard]] double kinetic_energy(std::size_t i) const {
     const detail::ModeConstants& mode = constants_[i];
     const double weighted_step = double(free_increment_[i]) + mode.stiffness / 2 * double(displacement_[i]);
-    return weighted_step * weighted_step / mode.one_plus_z_square / mode.admittance;
+    return weighted_step * weighted_step / mode.one_plus_z_square / mode.receptance;
   }
 
   // Velocity of mode i at a pickup [m/s].
@@ -394,13 +394,13 @@ class ModalBank {
       take(i, modes[k],
            {.stiffness = retuned.stiffness[k],
             .loss = retuned.loss[k],
-            .admittance = retuned.admittance[k],
+            .receptance = retuned.receptance[k],
             .averaging_factor = retuned.averaging_factor[k],
             .one_plus_z_square = retuned.one_plus_z_square[k],
             .velocity_gain = retuned.velocity_gain[k],
             .decay_per_s = modes[k].decay_per_s});
       free_increment_[i] = static_cast<T>(retuned.free_increment[k]);
-      if (!(constants_[i].admittance > 0)) set_motion(i, 0, 0);
+      if (!(constants_[i].receptance > 0)) set_motion(i, 0, 0);
     }
   }
 
@@ -410,7 +410,7 @@ class ModalBank {
     const auto velocity =
         static_cast<T>(of_free_increment * double(free_increment_[i]) + of_displacement * double(q));
     set(i, mode);
-    const bool sounds = constants_[i].admittance > 0;
+    const bool sounds = constants_[i].receptance > 0;
     set_motion(i, sounds ? q : T(0), sounds ? velocity : T(0));
   }
 
@@ -420,7 +420,7 @@ class ModalBank {
   constexpr void take(std::size_t i, const Mode& mode, detail::ModeConstants constants) {
     // A mode above half the sample rate would sound at a wrong pitch. As in contactspline_modal.lib, no force drives
     // it.
-    if (!(mode.angular_frequency_rad_per_s < std::numbers::pi * sample_rate_hz_)) constants.admittance = 0;
+    if (!(mode.angular_frequency_rad_per_s < std::numbers::pi * sample_rate_hz_)) constants.receptance = 0;
     take(i, constants);
   }
   constexpr void take(std::size_t i, const detail::ModeConstants& constants) {
@@ -428,12 +428,12 @@ class ModalBank {
     stiffness_[i] = static_cast<T>(constants.stiffness);
     stiffness_rest_[i] = static_cast<T>(constants.stiffness - static_cast<double>(stiffness_[i]));
     loss_[i] = static_cast<T>(constants.loss);
-    admittance_[i] = static_cast<T>(constants.admittance);
+    receptance_[i] = static_cast<T>(constants.receptance);
   }
 
   double sample_rate_hz_;
   T damping_ = 0;  // of the current sample
-  detail::ModalArray<T, Modes> stiffness_, stiffness_rest_, loss_, admittance_;
+  detail::ModalArray<T, Modes> stiffness_, stiffness_rest_, loss_, receptance_;
   detail::ModalArray<T, Modes> displacement_, free_increment_, change_;
   std::conditional_t<Modes == std::dynamic_extent, std::vector<detail::ModeConstants>,
                      std::array<detail::ModeConstants, Modes>>

@@ -91,17 +91,17 @@ namespace detail {
 struct ModeConstants {
   double stiffness;         ///< |1 - z|^2
   double loss;              ///< 1 - |z|^2
-  double admittance;        ///< |1 - z|^2/(2 m |p|^2), change of displacement over a sample per newton [m/N]
+  double receptance;        ///< |1 - z|^2/(2 m |p|^2), change of displacement over a sample per newton [m/N]
   double averaging_factor;  ///< |1 - z|^2/|p dt|^2, the part of an impulse's response that averaging the force leaves
   double one_plus_z_square;  ///< |1 + z|^2
   double velocity_gain;      ///< w/Im z [rad/s]
   double decay_per_s;
 };
 
-/// May a form have the spring of a mode of this stiffness and admittance (StretchForm)? Up to 0.45 times the sample
+/// May a form have the spring of a mode of this stiffness and receptance (StretchForm)? Up to 0.45 times the sample
 /// rate: 4 sin^2(0.45 pi).
-[[nodiscard]] constexpr bool can_give_away_spring(double stiffness, double admittance) {
-  return admittance > 0 && stiffness < 3.9;
+[[nodiscard]] constexpr bool can_give_away_spring(double stiffness, double receptance) {
+  return receptance > 0 && stiffness < 3.9;
 }
 
 // A template: compilers that cannot compute std::exp at compile time refuse it as a plain constexpr function.
@@ -116,7 +116,7 @@ constexpr ModeConstants mode_constants(const Mode& mode, Rate sample_rate_hz) {
   const double averaging_factor = phase_square > 0 ? stiffness / phase_square : 1;      // 1 is the limit
   return {.stiffness = stiffness,
           .loss = -std::expm1(-2 * mode.decay_per_s * dt),
-          .admittance = averaging_factor * dt * dt / (2 * mode.mass_kg),
+          .receptance = averaging_factor * dt * dt / (2 * mode.mass_kg),
           .averaging_factor = averaging_factor,
           .one_plus_z_square = decay_loss * decay_loss + 4 * decay_factor * cosine * cosine,
           .velocity_gain = (w > 0 ? w / (2 * sine * cosine) : sample_rate_hz) / decay_factor,

@@ -36,18 +36,18 @@ class StretchingForm {
   /// Computes the gradient g = A q, with half of what is linear at its mode [1/m], and motion().
   void take(const ModalArrays<T>& modes) {
     if (!has_products())
-      return multiply_squares(modes.modes, squares_.data(), modes.displacement, modes.admittance, gradient_.data(),
+      return multiply_squares(modes.modes, squares_.data(), modes.displacement, modes.receptance, gradient_.data(),
                               motion_.data());
     kernels<T>.multiply_form(matrix_.blocks(), modes.displacement, gradient_.data());
     gradient_[linear_mode_] += half_linear_;
-    multiply(modes.modes, gradient_.data(), modes.admittance, motion_.data());
+    multiply(modes.modes, gradient_.data(), modes.receptance, motion_.data());
   }
 
   [[nodiscard]] double stiffness() const { return stiffness_; }  ///< [J]
   [[nodiscard]] bool has_products() const { return !matrix_.empty(); }
   /// The gradient, after take().
   [[nodiscard]] const ModalArray<T>& gradient() const { return gradient_; }
-  /// Admittance times gradient: the motion of each mode by a unit of the form's force.
+  /// Receptance times gradient: the motion of each mode by a unit of the form's force.
   [[nodiscard]] const ModalArray<T>& motion() const { return motion_; }
 
   /// The same for Kernels::advance_stretching, which does what take() does.
@@ -98,9 +98,9 @@ class StretchingForm {
 ///
 /// as a spring at a place whose shapes are g_k, so that the equations for q+ are linear. As A_k is symmetric, its
 /// work (q+ - q-)/2 times this is -c_k/4 [(q' A_k q+)^2 - (q-' A_k q)^2], the change of an energy. Where the modes
-/// move by gain admittance force, the forces solve
+/// move by gain receptance force, the forces solve
 ///
-///     f_k/c_k + gain sum over l of g_k' admittance g_l f_l = g_k'(q+ + q-)/2 without the forms
+///     f_k/c_k + gain sum over l of g_k' receptance g_l f_l = g_k'(q+ + q-)/2 without the forms
 ///
 /// The roots of the stiffnesses make of its matrix I + a positive semidefinite one. Where a mode u stretches the body
 /// by b u, g_k has b/2 there, and q'A_k p is with b/2 times the sum of both displacements. No allocation after
@@ -143,7 +143,7 @@ class StretchForms {
   }
 
   /// Ends a sample of the modes under forces of the forms, and takes where they are then. The changes of the modes
-  /// are those without forms. They move by `gain` of their admittances.
+  /// are those without forms. They move by `gain` of their receptances.
   void advance(const ModalArrays<T>& modes, double gain, std::span<const double> forces) {
     const auto moved_by = [&](std::size_t k) { return static_cast<T>(-gain * forces[k]); };
     if (size() == 1 && !forms_[0].has_products())
@@ -167,7 +167,7 @@ class StretchForms {
   [[nodiscard]] double stretch(std::size_t k) const { return sums_(k, 0); }                    ///< s of StretchForm
   [[nodiscard]] double stretch_by_free_increment(std::size_t k) const { return sums_(k, 1); }  ///< g_k'd
   [[nodiscard]] double stretch_by_change(std::size_t k) const { return sums_(k, 2); }          ///< g_k'c
-  /// g_k' admittance g_l, l <= k.
+  /// g_k' receptance g_l, l <= k.
   [[nodiscard]] double coupling(std::size_t k, std::size_t l) const { return sums_(k, kOwn + l); }
 
   /// Makes the equations ready for solve().
@@ -215,7 +215,7 @@ class StretchForms {
 
   // What stands in the passes over all modes: the motion by the first form. Without forms 0 times any other array.
   [[nodiscard]] const T* first_motion(const ModalArrays<T>& modes) const {
-    return size() > 0 ? forms_[0].motion().data() : modes.admittance;
+    return size() > 0 ? forms_[0].motion().data() : modes.receptance;
   }
   // A separate function, because compilers respect __restrict on parameters.
   static void add(std::size_t modes, const T* __restrict a, T factor, const T* __restrict b, T* __restrict sum) {

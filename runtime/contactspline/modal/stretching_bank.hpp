@@ -18,7 +18,7 @@ namespace contactspline {
 
 /// A bank of modes with forms that stretch: in tune and exactly as compliant as ModalBank where it moves little, and
 /// passive at any amplitude. For each sample call predict(), then push() for each force, then commit(). A contact
-/// acts over two samples: before its push it reads increment() and admittance(), with its compression before the last
+/// acts over two samples: before its push it reads increment() and receptance(), with its compression before the last
 /// sample, so that it keeps one compression for even samples and one for odd ones, and half of the energy at each. No
 /// allocation after construction.
 template <std::floating_point T>
@@ -33,7 +33,7 @@ class StretchingBank {
 
   [[nodiscard]] std::size_t size() const { return bank_.size(); }
 
-  /// Begins a sample, with a damper as in ModalBank::predict(). push(), increment() and admittance() take it into
+  /// Begins a sample, with a damper as in ModalBank::predict(). push(), increment() and receptance() take it into
   /// account.
   void predict(T damping = 0) {
     damping_ = held(damping_, damping, ControlRanges<T>::damping);
@@ -44,8 +44,8 @@ class StretchingBank {
   /// Change of displacement at a place [m] over the last sample and this one, with the forces pushed so far.
   [[nodiscard]] T increment(const Shapes& at) { return motion_.increment(at.data()); }
   /// Change of that increment at place `at` per newton at place `of_force` [m/N].
-  [[nodiscard]] T admittance(const Shapes& at, const Shapes& of_force) {
-    return motion_.admittance(bank_, at, of_force);
+  [[nodiscard]] T receptance(const Shapes& at, const Shapes& of_force) {
+    return motion_.receptance(bank_, at, of_force);
   }
   /// Change of displacement at a place over the last sample, between two samples [m].
   [[nodiscard]] T last_change(const Shapes& at) const { return motion_.last_change(at.data()); }

@@ -20,15 +20,15 @@ namespace contactspline::detail {
 
 /// Moves the modes of a bank over two samples at once, from q- by q to q+:
 ///
-///     c = (d - damping c- + 2 admittance F)/(1 + damping),    q+ = q + c,    d+ = c - (loss c + stiffness q+)
+///     c = (d - damping c- + 2 receptance F)/(1 + damping),    q+ = q + c,    d+ = c - (loss c + stiffness q+)
 ///
 /// with c- = q - q- and the constants of ModalBank, so with exactly its poles and its compliance. F acts at q; it
 /// does what a ModalBank does under half of it in the sample that ends at q and half in the one that begins there.
 /// With the energy of StretchForms,
 ///
-///     sum [|1 + z|^2 c^2 + |1 - z|^2 (q + q+)^2]/(16 admittance) + sum stiffness_k/4 (q' A_k q+)^2
+///     sum [|1 + z|^2 c^2 + |1 - z|^2 (q + q+)^2]/(16 receptance) + sum stiffness_k/4 (q' A_k q+)^2
 ///
-/// changes by the work of the other forces, F (q+ - q-)/2, less (loss/2 + damping) (q+ - q-)^2/(4 admittance),
+/// changes by the work of the other forces, F (q+ - q-)/2, less (loss/2 + damping) (q+ - q-)^2/(4 receptance),
 /// whatever the amplitude: multiply by q+ - q-. No term is negative. Without forms and forces the modes move as those
 /// of ModalBank, to the bit.
 ///
@@ -53,7 +53,7 @@ class TwoStepMotion {
       const auto [mode, factor] = forms[k].linear;
       if (factor == 0) continue;
       own_springs_ = (std::min)(own_springs_, mode);
-      if (can_give_away_spring(bank.constants(mode).stiffness, bank.constants(mode).admittance))
+      if (can_give_away_spring(bank.constants(mode).stiffness, bank.constants(mode).receptance))
         bank.give_away_spring(mode, forms[k].stiffness_j * factor * factor / 2);
       else
         forms_.stop(k);
@@ -64,7 +64,7 @@ class TwoStepMotion {
   [[nodiscard]] const StretchForms<T>& forms() const { return forms_; }
   /// Number of modes whose springs are those of the bank: the first ones.
   [[nodiscard]] std::size_t own_springs() const { return own_springs_; }
-  /// By how much of their admittances the modes move over two samples: 2 less what the damper takes.
+  /// By how much of their receptances the modes move over two samples: 2 less what the damper takes.
   [[nodiscard]] double gain() const { return 2 * double(gain_); }
   /// q-'A_k q: how much form k was stretched by the displacements before the last sample.
   [[nodiscard]] double stretch_before(std::size_t k) const { return forms_.stretch(k) - forms_.stretch_by_change(k); }
@@ -94,7 +94,7 @@ class TwoStepMotion {
 
   /// The same of a force that is found together with those of the forms, before end().
   void push_with_forms(ModalBank<T>& bank, const T* at, T force) {
-    portable::add_product(bank.size(), bank.arrays().admittance, at, 2 * gain_ * force, change_.data());
+    portable::add_product(bank.size(), bank.arrays().receptance, at, 2 * gain_ * force, change_.data());
   }
 
   /// Change of displacement at a place [m] over the last sample and this one, with the forces pushed so far, without
@@ -115,15 +115,15 @@ class TwoStepMotion {
   }
 
   /// Change of that increment at place `at` per newton at place `of_force` [m/N].
-  [[nodiscard]] T admittance(const ModalBank<T>& bank, const ModeShapes<T>& at, const ModeShapes<T>& of_force) {
+  [[nodiscard]] T receptance(const ModalBank<T>& bank, const ModeShapes<T>& at, const ModeShapes<T>& of_force) {
     factorise_forms();
     for (std::size_t k = 0; k < forms_.size(); ++k)
       response_[k] = double(gain_) * double(product(of_force.data(), forms_[k].motion()));
     forms_.solve(response_);
-    double admittance = double(bank.admittance(at, of_force));
+    double receptance = double(bank.receptance(at, of_force));
     for (std::size_t k = 0; k < forms_.size(); ++k)
-      admittance -= double(product(at.data(), forms_[k].motion())) * response_[k];
-    return static_cast<T>(gain() * admittance);
+      receptance -= double(product(at.data(), forms_[k].motion())) * response_[k];
+    return static_cast<T>(gain() * receptance);
   }
 
   /// Ends the sample.
@@ -144,7 +144,7 @@ class TwoStepMotion {
     constexpr double kMaxLoss = 0.19;  // 1 - 0.9^2, as in ModalBank
     const auto modes = bank.arrays();
     for (std::size_t i = 0; i < modes.modes; ++i)
-      if (modes.admittance[i] == 0) modes.displacement[i] = modes.free_increment[i] = 0;
+      if (modes.receptance[i] == 0) modes.displacement[i] = modes.free_increment[i] = 0;
     forms_.take(arrays(bank));
     for (std::size_t i = 0; i < modes.modes; ++i) {
       const ModeConstants& mode = bank.constants(i);
@@ -197,12 +197,12 @@ class TwoStepMotion {
     return inner_product<T>(b.size(), a, b.data());
   }
 
-  // Sum of term(i)/admittance over the modes that forces drive.
+  // Sum of term(i)/receptance over the modes that forces drive.
   template <typename Term>
   [[nodiscard]] static double sum_over(const ModalBank<T>& bank, Term term) {
     double sum = 0;
     for (std::size_t i = 0; i < bank.size(); ++i)
-      if (const ModeConstants& mode = bank.constants(i); mode.admittance > 0) sum += term(i, mode) / mode.admittance;
+      if (const ModeConstants& mode = bank.constants(i); mode.receptance > 0) sum += term(i, mode) / mode.receptance;
     return sum;
   }
 

@@ -49,10 +49,10 @@ class Body {
         sample_rate_hz_(static_cast<T>(sample_rate_hz)),
         load_(bridge.size()) {
     for (std::size_t p = 0; p < bridge.size(); ++p) {
-      const T knocked = knock_.size() > 0 ? bank_.admittance(bridge[p], knock_) : T(0);
+      const T knocked = knock_.size() > 0 ? bank_.receptance(bridge[p], knock_) : T(0);
       places_.push_back({std::move(bridge[p]), stiffness[p], stiffness[p].modes, knocked});
       for (std::size_t q = 0; q <= p; ++q)
-        load_.set_admittance(p, q, bank_.admittance(places_[p].shapes, places_[q].shapes));
+        load_.set_receptance(p, q, bank_.receptance(places_[p].shapes, places_[q].shapes));
     }
   }
 
@@ -100,13 +100,13 @@ class Body {
     if (!std::exchange(is_factored_, true)) factor();
     const T knock_n = std::exchange(knock_n_, T(0)), push_n = std::exchange(push_n_, T(0));
     const std::size_t places = places_.size();
-    // The forces are pull - half change, where the change is the free one plus admittance times the forces.
+    // The forces are pull - half change, where the change is the free one plus receptance times the forces.
     T forces[kMaxPlaces + 1], changes[kMaxPlaces];
     for (std::size_t p = 0; p < places; ++p) {
       Place& place = places_[p];
       place.force_n = held(place.force_n, forces_n[p], ControlRanges<T>::bridge_force_n);
       const T pull = place.force_n + push_n - static_cast<T>(place.stiffness.ends) * place.displacement;
-      changes[p] = free_increments_[p] + place.knock_admittance * knock_n;
+      changes[p] = free_increments_[p] + place.knock_receptance * knock_n;
       forces[p] = pull - place.half_n_per_m * changes[p];
     }
     load_.solve(forces);
@@ -157,7 +157,7 @@ class Body {
     ModeShapes<T> shapes;
     BridgeStiffness stiffness;
     double first_modes;  // stiffness of the modes at the beginning [N/m]
-    T knock_admittance;  // change of displacement by the knock per newton [m/N]
+    T knock_receptance;  // change of displacement by the knock per newton [m/N]
     T half_n_per_m = 0;  // half the stiffness that is factored
     T displacement = 0, change = 0, force_n = 0, acted_n = 0;
   };

@@ -23,21 +23,21 @@ namespace contactspline::detail {
 template <std::floating_point T>
 class BridgeLoad {
  public:
-  /// Places without admittance. Allocates.
-  explicit BridgeLoad(std::size_t places) : places_(places), admittance_(places * places), factor_(admittance_) {}
+  /// Places without receptance. Allocates.
+  explicit BridgeLoad(std::size_t places) : places_(places), receptance_(places * places), factor_(receptance_) {}
 
   [[nodiscard]] std::size_t places() const { return places_; }
 
   /// Change of displacement over a sample at a place per newton at another one [m/N]; the same both ways.
-  void set_admittance(std::size_t at, std::size_t of_force, T m_per_n) {
-    admittance_[at * places_ + of_force] = admittance_[of_force * places_ + at] = m_per_n;
+  void set_receptance(std::size_t at, std::size_t of_force, T m_per_n) {
+    receptance_[at * places_ + of_force] = receptance_[of_force * places_ + at] = m_per_n;
   }
 
   /// Takes half the stiffness at each place [N/m], `places()` numbers of at least 0.
   void factor(const T* half_n_per_m) {
     for (std::size_t column = 0; column < places_; ++column)
       for (std::size_t row = 0; row < places_; ++row)
-        at(row, column) = static_cast<T>(row == column) + admittance_[column * places_ + row] * half_n_per_m[row];
+        at(row, column) = static_cast<T>(row == column) + receptance_[column * places_ + row] * half_n_per_m[row];
     for (std::size_t step = 0; step < places_; ++step) {
       at(step, step) = (std::max)(at(step, step), T(1));  // what rounding may take away
       for (std::size_t row = step + 1; row < places_; ++row) at(row, step) /= at(step, step);
@@ -61,7 +61,7 @@ class BridgeLoad {
   void add_response(const T* forces_n, T* changes_m) const {
     for (std::size_t column = 0; column < places_; ++column)
       for (std::size_t row = 0; row < places_; ++row)
-        changes_m[row] += admittance_[column * places_ + row] * forces_n[column];
+        changes_m[row] += receptance_[column * places_ + row] * forces_n[column];
   }
 
  private:
@@ -71,7 +71,7 @@ class BridgeLoad {
   [[nodiscard]] T at(std::size_t row, std::size_t column) const { return factor_[column * places_ + row]; }
 
   std::size_t places_;
-  std::vector<T> admittance_, factor_;
+  std::vector<T> receptance_, factor_;
 };
 
 }  // namespace contactspline::detail

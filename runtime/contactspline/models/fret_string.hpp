@@ -72,10 +72,10 @@ class FretString : public detail::ContactOnString<T, Extent, Modes> {
     else
       string_.predict();
     string_.push(pluck_, damping_gain * pluck_force_);
-    const T admittance = damping_gain * string_.admittance(place_.after(), place_.mean());
+    const T receptance = damping_gain * string_.receptance(place_.after(), place_.mean());
     const Approach<T> approach{compression_,
                                string_.increment(place_.after()) + string_.displacement(place_.change()) + lift,
-                               (std::max)(admittance, kMinAdmittance)};
+                               (std::max)(receptance, kMinReceptance)};
     const auto step = memory_.advance(table_, contact_, time_step_, approach, segment_index(table_, compression_));
     force_ = step.force;
     string_.push(place_.mean(), -damping_gain * force_);
@@ -113,8 +113,8 @@ class FretString : public detail::ContactOnString<T, Extent, Modes> {
     return before - gap_;
   }
 
-  // [m/N]. At the very end of the string the admittance is 0; the contact step needs one > 0.
-  static constexpr T kMinAdmittance = T(1e-18);
+  // [m/N]. At the very end of the string the receptance is 0; the contact step needs one > 0.
+  static constexpr T kMinReceptance = T(1e-18);
 
   T pluck_force_ = 0, damping_per_s_ = 0;
   ContactControls<T> contact_;

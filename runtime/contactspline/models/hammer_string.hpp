@@ -288,8 +288,8 @@ class HammerString {
   void collide(T damping_gain) {
     const T velocity_per_force = time_step_ / hammer_.mass_kg;
     const T free_increment = time_step_ * hammer_.velocity_m_per_s - string_.increment(strike_);
-    const T admittance = time_step_ * velocity_per_force / 2 + damping_gain * constants_.admittance_of_string();
-    const Approach<T> approach{hammer_.compression_m, free_increment, admittance};
+    const T receptance = time_step_ * velocity_per_force / 2 + damping_gain * constants_.receptance_of_string();
+    const Approach<T> approach{hammer_.compression_m, free_increment, receptance};
     const auto step = memory_.advance(felt_, hammer_.felt, time_step_, approach, hammer_.segment);
     string_.push(strike_, damping_gain * step.force);
     hammer_.force_n = step.force;
@@ -303,7 +303,7 @@ class HammerString {
   ModalBank<T, Modes> string_;
   Shapes strike_, next_strike_;
   std::conditional_t<Modes == std::dynamic_extent, detail::StrikeConstantsStorage<T>,
-                     detail::StrikeAdmittance<T, Modes>>
+                     detail::StrikeReceptance<T, Modes>>
       constants_;
   T time_step_;
   detail::HammerState<T> hammer_;

@@ -53,14 +53,14 @@ class MassBarrier {
   void tick(const MassBarrierControls<T>& controls) {
     follow(controls);
     const T dt = time_step_;
-    const T admittance = dt * dt / (2 * mass_);
+    const T receptance = dt * dt / (2 * mass_);
     const T gravity_step = dt * dt * gravity_;
-    const Approach<T> approach{displacement_, velocity_step_ + pending_step_ + gravity_step / 2, admittance};
+    const Approach<T> approach{displacement_, velocity_step_ + pending_step_ + gravity_step / 2, receptance};
     const auto step = memory_.advance(table_, contact_, dt, approach, segment_);
     segment_ = step.segment;
     displacement_ = step.compression;
     force_ = step.force;
-    pending_step_ += gravity_step - 2 * (admittance * force_);
+    pending_step_ += gravity_step - 2 * (receptance * force_);
     if (std::abs(pending_step_) * 256 > std::abs(velocity_step_))
       velocity_step_ += std::exchange(pending_step_, T(0));
   }

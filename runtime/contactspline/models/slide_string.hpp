@@ -78,15 +78,15 @@ class SlideString : public detail::ContactOnString<T, Extent, Modes> {
     const Slide slide = slide_now();
     const T shape_change = string_.displacement(place_.change());
     const T increment =
-        string_.increment(place_.after()) - fingers.stiffness * fingers.increment * fingers.admittance_to_end;
-    const T admittance = string_.admittance(place_.after(), place_.mean()) -
-                         fingers.stiffness * fingers.admittance_to_end * fingers.admittance_to_mean;
+        string_.increment(place_.after()) - fingers.stiffness * fingers.increment * fingers.receptance_to_end;
+    const T receptance = string_.receptance(place_.after(), place_.mean()) -
+                         fingers.stiffness * fingers.receptance_to_end * fingers.receptance_to_mean;
     const Approach<T> approach{compression_, slide.free_increment - increment - shape_change,
-                               slide.admittance + admittance};
+                               slide.receptance + receptance};
     const auto step =
         memory_.advance(table_, controls_.contact, time_step_, approach, segment_index(table_, compression_));
     force_ = step.force;
-    rest_force_ = -fingers.stiffness * (fingers.increment + fingers.admittance_to_mean * force_);
+    rest_force_ = -fingers.stiffness * (fingers.increment + fingers.receptance_to_mean * force_);
     string_.push(place_.mean(), force_);
     string_.push(rest_, rest_force_);
     mean_shape_change_ = string_.middle(place_.change());
@@ -116,16 +116,16 @@ class SlideString : public detail::ContactOnString<T, Extent, Modes> {
       Base::table_, Base::time_step_;
 
   /// The resting fingers over one sample: a viscous resistance R moves by dq under the force -R/dt dq. Solved for dq,
-  /// their force is -stiffness (increment + admittance_to_mean f), where f is the contact force.
+  /// their force is -stiffness (increment + receptance_to_mean f), where f is the contact force.
   struct Fingers {
     T stiffness;           ///< [N/m]
     T increment;           ///< of the string at the fingers, without f and without the fingers [m]
-    T admittance_to_mean;  ///< between the fingers and the slide's mean place in the sample [m/N]
-    T admittance_to_end;   ///< between the fingers and the slide's place at the end of the sample [m/N]
+    T receptance_to_mean;  ///< between the fingers and the slide's mean place in the sample [m/N]
+    T receptance_to_end;   ///< between the fingers and the slide's place at the end of the sample [m/N]
   };
-  /// The slide over one sample by the midpoint rule: its displacement changes by free_increment - admittance f.
+  /// The slide over one sample by the midpoint rule: its displacement changes by free_increment - receptance f.
   struct Slide {
-    T free_increment, admittance;
+    T free_increment, receptance;
   };
 
   void follow(const SlideStringControls<T>& controls) {
@@ -153,21 +153,21 @@ class SlideString : public detail::ContactOnString<T, Extent, Modes> {
   Fingers fingers_now() const {
     const T rate = controls_.rest_resistance_n_s_per_m / time_step_;
     if (!(rate > 0)) return {};
-    return {rate / (1 + rate * string_.admittance(rest_, rest_)), string_.increment(rest_),
-            string_.admittance(rest_, place_.mean()), string_.admittance(rest_, place_.after())};
+    return {rate / (1 + rate * string_.receptance(rest_, rest_)), string_.increment(rest_),
+            string_.receptance(rest_, place_.mean()), string_.receptance(rest_, place_.after())};
   }
 
   Slide slide_now() const {
     const T dt = time_step_;
-    const T admittance = dt * dt / (2 * controls_.slide_mass_kg);
+    const T receptance = dt * dt / (2 * controls_.slide_mass_kg);
     const T divisor =
-        1 + admittance * (controls_.hand_stiffness_n_per_m / 2 + controls_.hand_resistance_n_s_per_m / dt);
+        1 + receptance * (controls_.hand_stiffness_n_per_m / 2 + controls_.hand_resistance_n_s_per_m / dt);
     const T hand_force = controls_.hand_force_n - controls_.hand_stiffness_n_per_m * slide_;
-    return {(dt * velocity_ + admittance * hand_force) / divisor, admittance / divisor};
+    return {(dt * velocity_ + receptance * hand_force) / divisor, receptance / divisor};
   }
 
   void advance_slide(const Slide& slide) {
-    const T increment = slide.free_increment - slide.admittance * force_;
+    const T increment = slide.free_increment - slide.receptance * force_;
     const T reaction = controls_.hand_stiffness_n_per_m * (slide_ + increment / 2) +
                        controls_.hand_resistance_n_s_per_m * increment / time_step_;
     velocity_ += time_step_ / controls_.slide_mass_kg * (controls_.hand_force_n - reaction - force_);

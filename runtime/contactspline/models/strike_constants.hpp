@@ -96,7 +96,7 @@ class StrikeConstantsStorage {
  public:
   StrikeConstantsStorage(SegmentTable<T> table, std::size_t modes)
       : table_(table),
-        admittance_(modes),
+        receptance_(modes),
         free_increment_gain_(modes),
         amplitude_gain_(modes),
         unit_(modes),
@@ -105,13 +105,13 @@ class StrikeConstantsStorage {
 
   /// Prepares for a strike at the place of these shapes.
   void strike_at(ModalBank<T>& string, const ModeShapes<T>& shapes) {
-    string.respond(shapes, admittance_, free_increment_gain_, amplitude_gain_);
-    admittance_of_string_ = string.admittance(shapes, shapes);
-    free_admittance_ = 0;
+    string.respond(shapes, receptance_, free_increment_gain_, amplitude_gain_);
+    receptance_of_string_ = string.receptance(shapes, shapes);
+    free_receptance_ = 0;
     const ModalArrays<T> modes = string.arrays();
     for (std::size_t i = 0; i < shapes.size(); ++i) {
-      free_admittance_ += shapes[i] * free_increment_gain_[i];
-      unit_[i] = std::abs(admittance_[i]) > kMinUnit ? admittance_[i] : kMinUnit;
+      free_receptance_ += shapes[i] * free_increment_gain_[i];
+      unit_[i] = std::abs(receptance_[i]) > kMinUnit ? receptance_[i] : kMinUnit;
       per_unit_[i] = 1 / unit_[i];
       set(i, ModeRow::free_increment_gain, free_increment_gain_[i] * per_unit_[i]);
       set(i, ModeRow::stiffness, modes.stiffness[i]);
@@ -124,7 +124,7 @@ class StrikeConstantsStorage {
   /// Copies the contact table again if it has changed.
   void follow(SegmentTable<T> table) { table_.follow(table); }
 
-  [[nodiscard]] T admittance_of_string() const { return admittance_of_string_; }
+  [[nodiscard]] T receptance_of_string() const { return receptance_of_string_; }
 
   /// For one call of a kernel. Everything passed must outlive it.
   [[nodiscard]] StrikeConstants<T> view(const ModalArrays<T>& modes, SegmentTable<T> segments,
@@ -134,13 +134,13 @@ class StrikeConstantsStorage {
             .table = table_.view(),
             .segments = segments,
             .shape = shapes.data(),
-            .admittance = admittance_.data(),
+            .receptance = receptance_.data(),
             .free_increment_gain = free_increment_gain_.data(),
             .amplitude_gain = amplitude_gain_.data(),
             .unit = unit_.data(),
             .per_unit = per_unit_.data(),
-            .admittance_of_string = admittance_of_string_,
-            .free_admittance = free_admittance_,
+            .receptance_of_string = receptance_of_string_,
+            .free_receptance = free_receptance_,
             .workspace = workspace_.data(),
             .time_step_s = time_step_s,
             .damping_gain = damping_gain,
@@ -157,24 +157,24 @@ class StrikeConstantsStorage {
   }
 
   ContactTableStorage<T> table_;
-  ModalArray<T> admittance_, free_increment_gain_, amplitude_gain_, unit_, per_unit_;
+  ModalArray<T> receptance_, free_increment_gain_, amplitude_gain_, unit_, per_unit_;
   ModalArray<T> workspace_;
-  T admittance_of_string_ = 0, free_admittance_ = 0;
+  T receptance_of_string_ = 0, free_receptance_ = 0;
 };
 
 /// What remains of StrikeConstantsStorage for a model that plays without the kernels.
 template <std::floating_point T, std::size_t Modes>
-class StrikeAdmittance {
+class StrikeReceptance {
  public:
-  constexpr StrikeAdmittance(SegmentTable<T>, std::size_t) {}
+  constexpr StrikeReceptance(SegmentTable<T>, std::size_t) {}
 
   void strike_at(const ModalBank<T, Modes>& string, const ModeShapes<T, Modes>& shapes) {
-    admittance_of_string_ = string.admittance(shapes, shapes);
+    receptance_of_string_ = string.receptance(shapes, shapes);
   }
-  [[nodiscard]] T admittance_of_string() const { return admittance_of_string_; }
+  [[nodiscard]] T receptance_of_string() const { return receptance_of_string_; }
 
  private:
-  T admittance_of_string_ = 0;
+  T receptance_of_string_ = 0;
 };
 
 }  // namespace contactspline::detail

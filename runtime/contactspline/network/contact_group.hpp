@@ -32,7 +32,7 @@ struct GroupState {
   bool is_found = false;             // are all residuals rounding?
 };
 
-/// Contacts 0 to size() - 1 of a group: their laws, their increments without forces and the admittances between them.
+/// Contacts 0 to size() - 1 of a group: their laws, their increments without forces and the receptances between them.
 template <std::floating_point T>
 class ContactGroup {
  public:
@@ -42,26 +42,26 @@ class ContactGroup {
       : connections_(max_contacts),
         laws_(max_contacts),
         coupling_(max_contacts),
-        root_admittance_(max_contacts),
+        root_receptance_(max_contacts),
         free_(max_contacts) {
     members_.reserve(max_contacts);
   }
 
-  /// The admittances have changed.
+  /// The receptances have changed.
   void forget() { members_.clear(); }
 
   /// Begins a sample with these contacts. increments: of all contacts, without forces of contacts.
   void gather(const IndexList& contacts, std::span<const CoupledConnection<T>> connections,
-              const ColumnMatrix<T>& admittance, const ModalArray<T>& increments, T time_step) {
+              const ColumnMatrix<T>& receptance, const ModalArray<T>& increments, T time_step) {
     const std::size_t n = contacts.size();
     if (contacts != members_) {
       members_ = contacts;
       for (std::size_t b = 0; b < n; ++b) {
-        const T* from = admittance.column(contacts[b]);
+        const T* from = receptance.column(contacts[b]);
         T* to = coupling_.column(b);
         for (std::size_t a = 0; a < n; ++a) to[a] = from[contacts[a]];
         std::fill(to + n, to + coupling_.padded(n), T(0));
-        root_admittance_[b] = std::sqrt(to[b]);
+        root_receptance_[b] = std::sqrt(to[b]);
       }
     }
     for (std::size_t a = 0; a < n; ++a) {
@@ -106,7 +106,7 @@ class ContactGroup {
       // Beside a law that is 0 here and not there: what moves the contact by less than rounding.
       const T slope = law.force == 0 ? (std::max)(law.slope, 1 / xi) : law.slope;
       const T rounding = kRounding * (2 * forces + slope * displacements) + slope * kTinyMotion<T>;
-      state.norm = (std::max)(state.norm, root_admittance_[a] * std::abs(residual));
+      state.norm = (std::max)(state.norm, root_receptance_[a] * std::abs(residual));
       state.is_found &= std::abs(residual) <= rounding;
     }
   }
@@ -114,9 +114,9 @@ class ContactGroup {
   /// May the residual be rounding of forces that cancel each other?
   [[nodiscard]] bool is_rounding(const State& state) const {
     T reach = 0;
-    for (std::size_t a = 0; a < size(); ++a) reach += root_admittance_[a] * std::abs(state.force[a]);
+    for (std::size_t a = 0; a < size(); ++a) reach += root_receptance_[a] * std::abs(state.force[a]);
     for (std::size_t a = 0; a < size(); ++a) {
-      const T root = root_admittance_[a], forces = std::abs(state.force[a]) + std::abs(laws_[a].force_at_rest());
+      const T root = root_receptance_[a], forces = std::abs(state.force[a]) + std::abs(laws_[a].force_at_rest());
       const T slope = state.slope[a] + 1 / (root * root);
       const T rounding = kRounding * (forces + slope * (std::abs(free_[a]) + root * reach)) + slope * kTinyMotion<T>;
       if (!(std::abs(state.residual[a]) <= 16 * rounding)) return false;
@@ -129,9 +129,9 @@ class ContactGroup {
 
   std::vector<const CoupledConnection<T>*> connections_;
   std::vector<ConnectionLaw<T>> laws_;
-  IndexList members_;  // whose admittances coupling_ holds
+  IndexList members_;  // whose receptances coupling_ holds
   ColumnMatrix<T> coupling_;
-  ModalArray<T> root_admittance_, free_;
+  ModalArray<T> root_receptance_, free_;
 };
 
 }  // namespace contactspline::detail

@@ -16,9 +16,9 @@
 #include "contactspline/network/coupled_contacts.hpp"
 #include "contactspline/network/following_controls.hpp"
 #include "contactspline/network/linear_algebra.hpp"
-#include "contactspline/network/network_admittances.hpp"
 #include "contactspline/network/network_parts.hpp"
 #include "contactspline/network/network_plan.hpp"
+#include "contactspline/network/network_receptances.hpp"
 #include "contactspline/network/sleeping_contacts.hpp"
 #include "contactspline/network/two_steps.hpp"
 #include "contactspline/step/contact.hpp"
@@ -39,13 +39,13 @@ class ContactNetwork {
         step_(T(plan.samples_of_step() / sample_rate_hz)),
         solver_(plan.connections().size() + plan.forms(), sample_rate_hz / plan.samples_of_step(), max_steps),
         parts_(plan, sample_rate_hz),
-        admittances_(parts_),
+        receptances_(parts_),
         sleeping_(plan.connections().size()),
         controls_(sample_rate_hz, plan.samples_of_step()),
         increments_(plan.places().size()) {
     for (auto* list : {&pushed_, &last_pushed_}) list->reserve(parts_.places.size());
-    admittances_.couple(parts_, solver_);  // no body has a damper yet
-    admittances_.measure_roots(parts_);
+    receptances_.couple(parts_, solver_);  // no body has a damper yet
+    receptances_.measure_roots(parts_);
     for (std::size_t k = 0; k < plan.connections().size(); ++k) {
       install(plan.connections()[k], k);
       solver_.set_memory(k, {plan.connections()[k].memories, sample_rate_hz / plan.samples_of_step()});
@@ -105,8 +105,8 @@ class ContactNetwork {
     const bool moves = parts_.bodies[body].bank.moves();
     parts_.bodies[body].retune(modes);
     // At rest all is as in a new network.
-    moves ? admittances_.measure_frequencies(parts_, body) : admittances_.measure(parts_, body);
-    admittances_.measure_roots(parts_);
+    moves ? receptances_.measure_frequencies(parts_, body) : receptances_.measure(parts_, body);
+    receptances_.measure_roots(parts_);
     is_coupling_old_ = true;
     place_all();
   }
@@ -126,7 +126,7 @@ class ContactNetwork {
     mover.motion.put(place_m);
     mover.target_m = mover.motion.place();
     follow(mover);
-    admittances_.measure_moved(parts_);
+    receptances_.measure_moved(parts_);
     jump();
   }
   /// Where such a place is, after the last sample [m].
@@ -184,7 +184,7 @@ class ContactNetwork {
       mover.motion.put(mover.target_m);
       follow(mover);
     }
-    admittances_.measure_moved(parts_);
+    receptances_.measure_moved(parts_);
     for (Body& body : parts_.bodies) {
       body.bank.reset();
       body.take_motion();
@@ -214,11 +214,11 @@ class ContactNetwork {
     if (sleeping_.is_interval_over()) anchor_next();
     if (two_steps_) return tick_over_two_samples();
     move_places();
-    if (std::exchange(is_coupling_old_, false)) admittances_.couple(parts_, solver_);
+    if (std::exchange(is_coupling_old_, false)) receptances_.couple(parts_, solver_);
     predict();
     solve();
     solver_.advance();
-    sleeping_.end_sample(parts_, solver_, admittances_.largest_root());
+    sleeping_.end_sample(parts_, solver_, receptances_.largest_root());
     advance();
   }
 
@@ -269,8 +269,8 @@ class ContactNetwork {
   }
   [[nodiscard]] const CoupledContacts<T>& solver() const { return solver_; }
   /// Motion of a connection over a sample per newton, without damping and wherever its places may be [m/N].
-  [[nodiscard]] double largest_admittance(std::size_t connection) const {
-    return parts_.connections[connection].own_admittance;
+  [[nodiscard]] double largest_receptance(std::size_t connection) const {
+    return parts_.connections[connection].own_receptance;
   }
 
   /// Energy of all bodies and connections [J]. In each sample it changes by work() - dissipated(), up to rounding.
@@ -325,7 +325,7 @@ class ContactNetwork {
   using Place = detail::NetworkPlace<T>;
   using Mover = detail::NetworkMover<T>;
   using Connection = detail::NetworkConnection<T>;
-  // Stiffness of a rigid link times its admittance. Energy is balanced up to rounding of this times what it stores.
+  // Stiffness of a rigid link times its receptance. Energy is balanced up to rounding of this times what it stores.
   static constexpr T kRigidity = T(1e3);
 
   // Is it a form, of which the solver alone knows, or not?
@@ -355,7 +355,7 @@ class ContactNetwork {
   // Moves places along their strings. Forces act there with the mean of the shapes before and after the sample. The
   // change of the shapes, times the displacements in the middle of the sample, presses the connections like a gap
   // that shrinks. Friction meets other parts of the string there, and its bristles keep their strain. The middle is
-  // extrapolated from the last sample, and what that lacked follows in the next one: so the admittances stay
+  // extrapolated from the last sample, and what that lacked follows in the next one: so the receptances stay
   // symmetric, and the energy balance exact (docs/how-it-works/several-contacts.md).
   void move_places() {
     for (Mover& mover : parts_.movers) {
@@ -387,7 +387,7 @@ class ContactNetwork {
       follow(mover);
       controls_.note_moving_place();
     }
-    if (is_coupling_old_) admittances_.measure_moved(parts_);
+    if (is_coupling_old_) receptances_.measure_moved(parts_);
   }
 
   // Half of the last sample's increments, times the change of the shapes.
@@ -400,7 +400,7 @@ class ContactNetwork {
     Connection& connection = parts_.connections[k];
     c.table = plan.table;
     if (plan.is_rigid) {
-      connection.spring = kRigidity / solver_.admittance(k, k);
+      connection.spring = kRigidity / solver_.receptance(k, k);
       connection.resistance = connection.spring / 2 * step_;  // damps the link within a step
     }
     c.contact = {connection.contact.stiffness_ratio * connection.weight, connection.contact.loss_s_per_m};
@@ -479,7 +479,7 @@ class ContactNetwork {
       add_force(p, take_push(p));
       Body& body = parts_.bodies[place.body];
       body.travel += body.damping_gain * place.travel_per_force * std::abs(place.last_push);
-      for (const std::size_t q : body.awake) increments_[q] += admittances_.mutual(parts_, p, q) * place.last_push;
+      for (const std::size_t q : body.awake) increments_[q] += receptances_.mutual(parts_, p, q) * place.last_push;
     }
     for (Body& body : parts_.bodies) body.travelled += body.travel;
   }
@@ -503,11 +503,11 @@ class ContactNetwork {
       begin(k, measured_increment(c.first) - measured_increment(c.second));
     };
     do solver_.solve();
-    while (sleeping_.wake_reachable(parts_, solver_, admittances_.largest_root(), wake));
+    while (sleeping_.wake_reachable(parts_, solver_, receptances_.largest_root(), wake));
   }
 
   void tick_over_two_samples() {
-    if (std::exchange(is_coupling_old_, false)) admittances_.couple(parts_, solver_);
+    if (std::exchange(is_coupling_old_, false)) receptances_.couple(parts_, solver_);
     sleeping_.list_awake(parts_);  // all are
     two_steps_->begin(parts_, solver_);
     std::swap(pushed_, last_pushed_);
@@ -542,7 +542,7 @@ class ContactNetwork {
     body.bank.free_increments({&shapes, 1}, &increment);
     increment *= body.damping_gain;
     for (const std::size_t q : last_pushed_)
-      if (&parts_.body_of(q) == &body) increment += admittances_.mutual(parts_, p, q) * parts_.places[q].last_push;
+      if (&parts_.body_of(q) == &body) increment += receptances_.mutual(parts_, p, q) * parts_.places[q].last_push;
     return increment;
   }
 
@@ -593,7 +593,7 @@ class ContactNetwork {
   T time_step_, step_;  // of a sample, and of those on which a force acts
   CoupledContacts<T> solver_;
   detail::NetworkParts<T> parts_;
-  detail::NetworkAdmittances<T> admittances_;
+  detail::NetworkReceptances<T> receptances_;
   detail::SleepingContacts<T> sleeping_;
   detail::FollowingControls<T> controls_;
   std::optional<detail::TwoSteps<T>> two_steps_;  // where a body stretches

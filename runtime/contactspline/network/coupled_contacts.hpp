@@ -24,9 +24,9 @@ namespace contactspline {
 ///
 ///     x = free increment - Xi force(x)
 ///
-/// Xi is the matrix of admittances: by how much a newton in connection j reduces the increment of connection i. Each
+/// Xi is the matrix of receptances: by how much a newton in connection j reduces the increment of connection i. Each
 /// force is the discrete gradient of its contact, so the stored energy changes by force x, exactly. A contact that
-/// does not touch costs a comparison and a dot product with the forces that act. Groups without admittance between
+/// does not touch costs a comparison and a dot product with the forces that act. Groups without receptance between
 /// them are solved apart. Springs are linear: they are eliminated, and each contact meets bodies and springs
 /// together. A contact that is alone in its group is contact_step; friction stands among the contacts, and touches
 /// while there is a normal force. No allocation after construction.
@@ -47,8 +47,8 @@ class CoupledContacts {
         ends_(connections),
         is_active_(connections),
         is_grouped_(connections),
-        exact_admittance_(connections),
-        admittance_(connections),
+        exact_receptance_(connections),
+        receptance_(connections),
         increments_(connections),
         force_displacements_(connections),
         springs_(connections),
@@ -63,11 +63,11 @@ class CoupledContacts {
   [[nodiscard]] CoupledConnection<T>& operator[](std::size_t i) { return connections_[i]; }
   [[nodiscard]] const CoupledConnection<T>& operator[](std::size_t i) const { return connections_[i]; }
 
-  /// Sets the admittance between connections i and j [m/N]. The matrix must be positive semidefinite, and the
-  /// admittance of a connection with itself above 0.
-  void set_admittance(std::size_t i, std::size_t j, double admittance) {
-    exact_admittance_(i, j) = exact_admittance_(j, i) = admittance;
-    admittance_(i, j) = admittance_(j, i) = static_cast<T>(admittance);
+  /// Sets the receptance between connections i and j [m/N]. The matrix must be positive semidefinite, and the
+  /// receptance of a connection with itself above 0.
+  void set_receptance(std::size_t i, std::size_t j, double receptance) {
+    exact_receptance_(i, j) = exact_receptance_(j, i) = receptance;
+    receptance_(i, j) = receptance_(j, i) = static_cast<T>(receptance);
     group_.forget();
     springs_.forget();
   }
@@ -76,7 +76,7 @@ class CoupledContacts {
     connections_[i].memory = memory;
     if (!memory.empty()) remembering_.push_back(i);
   }
-  [[nodiscard]] T admittance(std::size_t i, std::size_t j) const { return admittance_(i, j); }
+  [[nodiscard]] T receptance(std::size_t i, std::size_t j) const { return receptance_(i, j); }
 
   /// Begins a sample without connections.
   void begin() {
@@ -104,11 +104,11 @@ class CoupledContacts {
 
   /// Computes the forces. May be called again after further calls of add().
   void solve() {
-    if (!springs_.empty() && springs_.predict(connections_, exact_admittance_)) group_.forget();
+    if (!springs_.empty() && springs_.predict(connections_, exact_receptance_)) group_.forget();
     for (const std::size_t i : contacts_) {
       if (is_active_[i]) continue;
       CoupledConnection<T>& c = connections_[i];
-      if (!springs_.empty()) springs_.take(i, exact_admittance_);
+      if (!springs_.empty()) springs_.take(i, exact_receptance_);
       increments_[i] = springs_.increment(i, c.free_increment);
       if (c.is_friction || c.compression > 0 || c.compression + increments_[i] > 0)
         activate(i);
@@ -120,7 +120,7 @@ class CoupledContacts {
       for (const std::size_t i : touching_)
         if (!is_grouped_[i]) solve_group_of(i);
       displace_by_contacts();
-      if (!springs_.empty()) springs_.solve(connections_, admittance_, touching_, ends_);
+      if (!springs_.empty()) springs_.solve(connections_, receptance_, touching_, ends_);
       is_first_pass_ = false;
     } while (activate_touching());
   }
@@ -162,12 +162,12 @@ class CoupledContacts {
   // By how much the forces of the contacts reduce the increments of all, with the springs.
   void displace_by_contacts() {
     if (contacts_.empty()) return;
-    const std::size_t padded = admittance_.padded(size());
-    const detail::ColumnMatrix<T>& admittance = acting_admittance();
+    const std::size_t padded = receptance_.padded(size());
+    const detail::ColumnMatrix<T>& receptance = acting_receptance();
     std::fill_n(force_displacements_.data(), padded, T(0));
     for (const std::size_t j : touching_)
       if (const T force = connections_[j].force; force != 0)
-        detail::add_scaled(0, padded, force, admittance.column(j), force_displacements_.data());
+        detail::add_scaled(0, padded, force, receptance.column(j), force_displacements_.data());
   }
 
   void activate(std::size_t i) {
@@ -187,15 +187,15 @@ class CoupledContacts {
     return active_.size() > before;
   }
 
-  // The admittances that contacts meet.
-  [[nodiscard]] const detail::ColumnMatrix<T>& acting_admittance() const {
-    return springs_.empty() ? admittance_ : springs_.admittance();
+  // The receptances that contacts meet.
+  [[nodiscard]] const detail::ColumnMatrix<T>& acting_receptance() const {
+    return springs_.empty() ? receptance_ : springs_.receptance();
   }
 
   void solve_group_of(std::size_t seed) {
     collect_group(seed);
     if (grouped_.size() == 1) return solve_alone(seed);
-    group_.gather(grouped_, connections_, acting_admittance(), increments_, time_step_);
+    group_.gather(grouped_, connections_, acting_receptance(), increments_, time_step_);
     const auto& found = newton_.solve(group_, is_first_pass_);
     for (std::size_t a = 0; a < grouped_.size(); ++a) {
       const std::size_t i = grouped_[a];
@@ -210,9 +210,9 @@ class CoupledContacts {
 
   void solve_alone(std::size_t i) {
     CoupledConnection<T>& c = connections_[i];
-    const Approach<T> approach{c.compression, increments_[i], acting_admittance()(i, i)};
+    const Approach<T> approach{c.compression, increments_[i], acting_receptance()(i, i)};
     if (c.is_friction) {
-      c.friction_step = c.friction.law().step(approach.free_increment, approach.admittance);
+      c.friction_step = c.friction.law().step(approach.free_increment, approach.receptance);
       c.force = c.friction_step.force;
       return;
     }
@@ -227,7 +227,7 @@ class CoupledContacts {
     grouped_.push_back(seed);
     is_grouped_[seed] = true;
     for (std::size_t a = 0; a < grouped_.size() && grouped_.size() < touching_.size(); ++a) {
-      const T* column = acting_admittance().column(grouped_[a]);
+      const T* column = acting_receptance().column(grouped_[a]);
       for (const std::size_t j : touching_) {
         if (is_grouped_[j] || column[j] == 0) continue;
         is_grouped_[j] = true;
@@ -244,8 +244,8 @@ class CoupledContacts {
   detail::IndexList active_, touching_;  // all that act, and the contacts of these
   detail::IndexList grouped_;            // contacts of the group that is being solved
   detail::IndexList remembering_;        // contacts with a memory
-  detail::ColumnMatrix<double> exact_admittance_;
-  detail::ColumnMatrix<T> admittance_;  // rounded
+  detail::ColumnMatrix<double> exact_receptance_;
+  detail::ColumnMatrix<T> receptance_;  // rounded
   detail::ModalArray<T> increments_;    // of the contacts that were added, with springs, without forces of contacts
   detail::ModalArray<T> force_displacements_;
   detail::SpringElimination<T> springs_;

@@ -60,7 +60,7 @@ struct NetworkBody {
   T damping = 0;                           // times dt, as is the gain
   T damping_gain = 1;
   T max_shape = 0;              // of its connections
-  double total_admittance = 0;  // of all modes, where their shapes are 1 [m/N]
+  double total_receptance = 0;  // of all modes, where their shapes are 1 [m/N]
   // Bounds of the motion without forces of connections [m]: in this sample, and since slacks were last reduced.
   T travel = 0, travelled = 0;
   std::vector<std::size_t> places;
@@ -68,7 +68,7 @@ struct NetworkBody {
   std::vector<ModeShapes<double>> shapes;  // of each connection on this body
   ModeShapes<double> pushed;               // by how much a newton in one of them, or of a form, moves each mode [m/N]
   ModeShapes<T> pushed_by_place;           // the same of a newton at a place
-  std::vector<double> admittances;         // of each with those up to itself, without damping [m/N]
+  std::vector<double> receptances;         // of each with those up to itself, without damping [m/N]
   IndexList awake;                         // places whose increments are computed in each sample
   ReservedList<const T*> awake_shapes;
   T free_travel = 0;               // travel in the next sample without forces and damper [m]
@@ -109,7 +109,7 @@ struct NetworkMover {
   T owed = 0;  // of the string's displacement there, so much presses the connections in the next sample only [m]
   bool is_moving = false;
   bool waits = false;  // under friction that is lifted: to be put where its control is
-  bool is_new = true;  // has it moved since its admittances were measured?
+  bool is_new = true;  // has it moved since its receptances were measured?
 };
 
 /// What a network knows of a connection, beside the CoupledConnection of the solver.
@@ -138,8 +138,8 @@ struct NetworkConnection {
   T gap, target_gap;
   T lift = 0;                 // by how much the gap shrinks in this sample [m]
   T lift_before = 0;          // and in the one before, where forces act on both [m]
-  double own_admittance = 0;  // without damping, which can only make it smaller [m/N]
-  T root_admittance = 0;      // of that [sqrt(m/N)]
+  double own_receptance = 0;  // without damping, which can only make it smaller [m/N]
+  T root_receptance = 0;      // of that [sqrt(m/N)]
   T slack = 0;                // of a sleeping contact: the gap that is certainly left [m]
   T before = 0;               // compression at the beginning of the sample [m]
   bool is_awake = true;

@@ -212,7 +212,7 @@ class ConnectionLaw {
   /// The step of the connection `c` of this law, if the forces of all others hold.
   [[nodiscard]] StepAlone<T> alone(const CoupledConnection<T>& c, const Approach<T>& approach, T time_step) const {
     if (is_friction_) {
-      const FrictionStep<T> step = bristles_.step(approach.free_increment, approach.admittance);
+      const FrictionStep<T> step = bristles_.step(approach.free_increment, approach.receptance);
       return {step.force, bristles_.at(step.increment).slope, c.segment};
     }
     const ContactStep<T> step = c.memory.step(c.table, c.contact, time_step, approach, c.segment);

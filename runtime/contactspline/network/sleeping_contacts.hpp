@@ -19,7 +19,7 @@ namespace contactspline::detail {
 
 /// Lets contacts sleep that cannot touch soon, and wakes them before they may. A sleeping contact has a slack: the
 /// gap that is certainly left, by bounds of the motion of its bodies and of what forces may do
-/// (docs/how-it-works/several-contacts.md). `largest_root`: NetworkAdmittances::largest_root().
+/// (docs/how-it-works/several-contacts.md). `largest_root`: NetworkReceptances::largest_root().
 template <std::floating_point T>
 class SleepingContacts {
  public:
@@ -80,7 +80,7 @@ class SleepingContacts {
   bool wake_reachable(NetworkParts<T>& parts, const CoupledContacts<T>& solver, T largest_root, Wake wake) {
     reach_ = 0;
     for (const std::size_t k : solver.active())
-      reach_ += parts.connections[k].root_admittance * std::abs(solver[k].force);
+      reach_ += parts.connections[k].root_receptance * std::abs(solver[k].force);
     bool has_woken = false;
     if (!may_touch(parts, largest_root, reached_ + reach_, 0)) return false;
     for (const std::size_t k : asleep_) {
@@ -130,7 +130,7 @@ class SleepingContacts {
   [[nodiscard]] static T motion(const NetworkParts<T>& parts, const NetworkConnection<T>& c,
                                 T NetworkBody<T>::*travel, T reach) {
     return kMargin * (c.first_max * parts.bodies[c.first_body].*travel +
-                      c.second_max * parts.bodies[c.second_body].*travel + c.root_admittance * reach);
+                      c.second_max * parts.bodies[c.second_body].*travel + c.root_receptance * reach);
   }
 
   // Might a sleeping contact have used up its slack, with this reach since slacks were last reduced and so many more
@@ -163,7 +163,7 @@ class SleepingContacts {
 
   IndexList awake_, asleep_;  // connections
   IndexList woken_;
-  // Sum of force times root of admittance: over the last sample, and since slacks were last reduced.
+  // Sum of force times root of receptance: over the last sample, and since slacks were last reduced.
   T reach_ = 0, reached_ = 0;
   T min_slack_ = (std::numeric_limits<T>::max)();  // of the sleeping contacts
   int since_interval_ = 0;

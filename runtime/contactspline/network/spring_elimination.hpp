@@ -28,7 +28,7 @@ inline constexpr T kTinyMotion = std::numeric_limits<T>::min_exponent < -1000 ? 
 ///     (I + root Xi root) z = root (K compression/slope + free increment - Xi of contacts)
 ///
 /// root the roots of their slopes. The Cholesky factor L of the matrix eliminates z as it does rows of any system:
-/// with W = L^-1 root Xi, contacts meet the admittances Xi - W' W and have the increments free - W' ahead without
+/// with W = L^-1 root Xi, contacts meet the receptances Xi - W' W and have the increments free - W' ahead without
 /// forces of contacts, ahead = L^-1 root (K compression/slope + free increment).
 ///
 /// Xi - W' W loses digits: beside a spring of slope c it is about xi/(1 + c xi), and its error is that of xi. An
@@ -44,7 +44,7 @@ class SpringElimination {
         exact_root_(connections),
         factor_(connections),
         rows_(connections),
-        admittance_(connections),
+        receptance_(connections),
         slope_(connections),
         root_(connections),
         push_(connections),
@@ -61,13 +61,13 @@ class SpringElimination {
   void add(std::size_t i) { springs_.push_back(i); }
   [[nodiscard]] bool empty() const { return springs_.empty(); }
 
-  /// The admittances of the bodies have changed.
+  /// The receptances of the bodies have changed.
   void forget() { eliminated_.clear(); }
 
-  /// Begins a sample. Returns whether the admittances beside the springs have changed. admittance: of the bodies.
-  bool predict(std::span<const CoupledConnection<T>> connections, const ColumnMatrix<double>& admittance) {
+  /// Begins a sample. Returns whether the receptances beside the springs have changed. receptance: of the bodies.
+  bool predict(std::span<const CoupledConnection<T>> connections, const ColumnMatrix<double>& receptance) {
     const bool is_old = is_elimination_old(connections);
-    if (is_old) eliminate(connections, admittance);
+    if (is_old) eliminate(connections, receptance);
     for (std::size_t s = 0; s < springs_.size(); ++s) {
       const CoupledConnection<T>& c = connections[springs_[s]];
       ahead_[s] = root_[s] * c.free_increment + push_[s] * c.compression;
@@ -76,17 +76,17 @@ class SpringElimination {
     return is_old;
   }
 
-  /// Eliminates the springs from contact i, before anything below is asked of it in this sample. admittance: of the
+  /// Eliminates the springs from contact i, before anything below is asked of it in this sample. receptance: of the
   /// bodies.
-  void take(std::size_t i, const ColumnMatrix<double>& admittance) {
+  void take(std::size_t i, const ColumnMatrix<double>& receptance) {
     if (std::exchange(is_ready_[i], true)) return;
-    eliminate_from(i, admittance);
+    eliminate_from(i, receptance);
     ready_.push_back(i);
-    for (const std::size_t j : ready_) admittance_(i, j) = admittance_(j, i) = beside_springs(i, j, admittance);
+    for (const std::size_t j : ready_) receptance_(i, j) = receptance_(j, i) = beside_springs(i, j, receptance);
   }
 
-  /// The admittances that contacts meet, of those that were taken.
-  [[nodiscard]] const ColumnMatrix<T>& admittance() const { return admittance_; }
+  /// The receptances that contacts meet, of those that were taken.
+  [[nodiscard]] const ColumnMatrix<T>& receptance() const { return receptance_; }
 
   /// The increment of contact i without forces of contacts.
   [[nodiscard]] T increment(std::size_t i, T free_increment) const {
@@ -96,8 +96,8 @@ class SpringElimination {
     return free_increment;
   }
 
-  /// The forces of the springs beside those of the contacts, and where they end. admittance: of the bodies.
-  void solve(std::span<CoupledConnection<T>> connections, const ColumnMatrix<T>& admittance,
+  /// The forces of the springs beside those of the contacts, and where they end. receptance: of the bodies.
+  void solve(std::span<CoupledConnection<T>> connections, const ColumnMatrix<T>& receptance,
              std::span<const std::size_t> contacts, std::span<EndOfSample<T>> ends) {
     const std::size_t m = springs_.size();
     for (std::size_t s = 0; s < m; ++s) {
@@ -110,13 +110,13 @@ class SpringElimination {
       if (force == 0) continue;
       for (std::size_t s = range_[i].begin; s < range_[i].end; ++s) {
         right_[s] -= rows_(s, i) * force;
-        free_[s] -= admittance(springs_[s], i) * force;
+        free_[s] -= receptance(springs_[s], i) * force;
       }
     }
     for (int pass = 0;; ++pass) {
       solve_backwards(factor_, ends_, right_.data());
       for (std::size_t s = 0; s < m; ++s) force_[s] += root_[s] * right_[s];
-      if (!have_errors(connections, admittance, ends) || pass == kRefinements) return;
+      if (!have_errors(connections, receptance, ends) || pass == kRefinements) return;
       solve_forwards(factor_, ends_, right_.data());
     }
   }
@@ -134,17 +134,17 @@ class SpringElimination {
 
   // Moves the springs by their forces. Does the law of one of them want a force that differs by more than rounding?
   // right_ becomes what corrects the forces. free_: their increments under the forces of contacts.
-  bool have_errors(std::span<CoupledConnection<T>> connections, const ColumnMatrix<T>& admittance,
+  bool have_errors(std::span<CoupledConnection<T>> connections, const ColumnMatrix<T>& receptance,
                    std::span<EndOfSample<T>> ends) {
     bool have_errors = false;
     for (std::size_t s = 0; s < springs_.size(); ++s) {
       const std::size_t i = springs_[s];
       CoupledConnection<T>& c = connections[i];
       T x = free_[s];
-      for (std::size_t t = range_[i].begin; t < range_[i].end; ++t) x -= admittance(springs_[t], i) * force_[t];
+      for (std::size_t t = range_[i].begin; t < range_[i].end; ++t) x -= receptance(springs_[t], i) * force_[t];
       const T slope = slope_[s], at_rest = c.spring_n_per_m * c.compression;
       const T error = at_rest + slope * x - force_[s];
-      const T displacements = std::abs(c.free_increment) + std::abs(x) + admittance(i, i) * std::abs(force_[s]);
+      const T displacements = std::abs(c.free_increment) + std::abs(x) + receptance(i, i) * std::abs(force_[s]);
       const T forces = std::abs(force_[s]) + std::abs(at_rest);
       have_errors |= std::abs(error) > kRounding * (2 * forces + slope * displacements) + slope * kTinyMotion<T>;
       c.force = force_[s];
@@ -161,7 +161,7 @@ class SpringElimination {
     return false;
   }
 
-  void eliminate(std::span<const CoupledConnection<T>> connections, const ColumnMatrix<double>& admittance) {
+  void eliminate(std::span<const CoupledConnection<T>> connections, const ColumnMatrix<double>& receptance) {
     eliminated_ = springs_;
     for (std::size_t s = 0; s < springs_.size(); ++s) {
       const CoupledConnection<T>& c = connections[springs_[s]];
@@ -170,19 +170,19 @@ class SpringElimination {
       push_[s] = slope_[s] > 0 ? c.spring_n_per_m / slope_[s] * root_[s] : T(0);
       exact_root_[s] = std::sqrt(double(slope_[s]));
     }
-    factorise_springs(admittance);
+    factorise_springs(receptance);
     for (const std::size_t i : springs_)
-      measure_range(i, [&](std::size_t s) { return admittance(springs_[s], i) == 0; });
+      measure_range(i, [&](std::size_t s) { return receptance(springs_[s], i) == 0; });
     for (const std::size_t i : ready_) is_ready_[i] = false;
     ready_.clear();
   }
 
-  void factorise_springs(const ColumnMatrix<double>& admittance) {
+  void factorise_springs(const ColumnMatrix<double>& receptance) {
     const std::size_t m = springs_.size();
     for (std::size_t s = 0; s < m; ++s) {
       double* to = exact_factor_.column(s);
       for (std::size_t t = 0; t < m; ++t)
-        to[t] = exact_root_[s] * exact_root_[t] * admittance(springs_[t], springs_[s]);
+        to[t] = exact_root_[s] * exact_root_[t] * receptance(springs_[t], springs_[s]);
       std::fill(to + m, to + exact_factor_.padded(m), 0.0);
       to[s] += 1;
     }
@@ -196,12 +196,12 @@ class SpringElimination {
   }
 
   // Row i of W, of a contact.
-  void eliminate_from(std::size_t i, const ColumnMatrix<double>& admittance) {
+  void eliminate_from(std::size_t i, const ColumnMatrix<double>& receptance) {
     double* w = exact_rows_.column(i);
-    for (std::size_t s = 0; s < springs_.size(); ++s) w[s] = exact_root_[s] * admittance(springs_[s], i);
+    for (std::size_t s = 0; s < springs_.size(); ++s) w[s] = exact_root_[s] * receptance(springs_[s], i);
     solve_forwards(exact_factor_, ends_, w);
     for (std::size_t s = 0; s < springs_.size(); ++s) rows_(s, i) = static_cast<T>(w[s]);
-    measure_range(i, [&](std::size_t s) { return w[s] == 0 && admittance(springs_[s], i) == 0; });
+    measure_range(i, [&](std::size_t s) { return w[s] == 0 && receptance(springs_[s], i) == 0; });
   }
 
   // The springs that move connection i.
@@ -212,14 +212,14 @@ class SpringElimination {
     while (range.begin < range.end && is_apart(range.begin)) ++range.begin;
   }
 
-  [[nodiscard]] T beside_springs(std::size_t i, std::size_t j, const ColumnMatrix<double>& admittance) const {
+  [[nodiscard]] T beside_springs(std::size_t i, std::size_t j, const ColumnMatrix<double>& receptance) const {
     const double *w = exact_rows_.column(i), *v = exact_rows_.column(j);
-    double beside = admittance(j, i);
+    double beside = receptance(j, i);
     const std::size_t begin = (std::max)(range_[i].begin, range_[j].begin);
     const std::size_t end = (std::min)(range_[i].end, range_[j].end);
     for (std::size_t s = begin; s < end; ++s) beside -= v[s] * w[s];
-    if (i == j) beside = (std::max)(beside, std::numeric_limits<double>::epsilon() * admittance(i, i));
-    // Rounded up so far that the rounding errors of all admittances together take energy: none is larger than
+    if (i == j) beside = (std::max)(beside, std::numeric_limits<double>::epsilon() * receptance(i, i));
+    // Rounded up so far that the rounding errors of all receptances together take energy: none is larger than
     // eps sqrt(Xi_ii Xi_jj), and there are n in a row.
     if (kRounds && i == j) beside *= 1 + static_cast<double>(range_.size()) * double(kRounding);
     return static_cast<T>(beside);
@@ -232,7 +232,7 @@ class SpringElimination {
   std::vector<std::size_t> ends_;                   // rows of the factor from which on each column is 0
   ColumnMatrix<double> exact_factor_, exact_rows_;  // L and W
   ModalArray<double> exact_root_;
-  ColumnMatrix<T> factor_, rows_, admittance_;  // L, W and Xi - W' W, rounded
+  ColumnMatrix<T> factor_, rows_, receptance_;  // L, W and Xi - W' W, rounded
   ModalArray<T> slope_, root_, push_, ahead_;
   ModalArray<T> right_, free_, force_;  // of solve()
 };

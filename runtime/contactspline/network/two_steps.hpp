@@ -78,7 +78,7 @@ class TwoSteps {
         solver[i].compression = static_cast<T>(body.motion->stretch_before(k));
         solver[i].free_increment = static_cast<T>(body.motion->stretch_increment(k));
         for (std::size_t l = 0; l <= k; ++l)
-          solver.set_admittance(i, first + l, body.motion->gain() * forms.coupling(k, l));
+          solver.set_receptance(i, first + l, body.motion->gain() * forms.coupling(k, l));
         couple(body, forms[k], i, solver);
         solver.add(i);
       }
@@ -117,12 +117,12 @@ class TwoSteps {
     body.motion->push_with_forms(body.bank, parts.places[p].shapes.data(), force);
   }
 
-  // Admittances of a form of a body, which is connection i of the solver, with the connections on this body.
+  // Receptances of a form of a body, which is connection i of the solver, with the connections on this body.
   static void couple(NetworkBody<T>& body, const StretchingForm<T>& form, std::size_t i, CoupledContacts<T>& solver) {
     const std::size_t modes = body.bank.size();
     for (std::size_t n = 0; n < modes; ++n) body.pushed[n] = double(form.motion()[n]);
     for (std::size_t k = 0; k < body.connections.size(); ++k)
-      solver.set_admittance(
+      solver.set_receptance(
           i, body.connections[k],
           body.motion->gain() * inner_product<double>(modes, body.pushed.data(), body.shapes[k].data()));
   }

@@ -18,7 +18,7 @@ struct VectorArithmetic {
 
 /// A contact under load. The compression is kept as the distance beyond a knot at one end of its segment, the entry
 /// knot. All distances below count from the compression.
-/// kVaries: does the admittance change from step to step (contact loss), or is it that of prepare()?
+/// kVaries: does the receptance change from step to step (contact loss), or is it that of prepare()?
 template <bool kVaries, typename T>
 class ContactUnderLoad {
   using Knot = std::ptrdiff_t;  // numbered as in ContactTable
@@ -54,12 +54,12 @@ class ContactUnderLoad {
   }
 
   /// The load of a step: a free increment xf = before - per_force * last [m], of which `last` is known last, and the
-  /// admittance.
+  /// receptance.
   struct Load {
     T before;              ///< [m]
     T per_force, last;     ///< [m/N], [N]
-    T xi;                  ///< admittance times stiffness ratio [m/N]
-    T inverse_admittance;  ///< 1/admittance, without the ratio [N/m]
+    T xi;                  ///< receptance times stiffness ratio [m/N]
+    T inverse_receptance;  ///< 1/receptance, without the ratio [N/m]
   };
 
   /// Computes the table's products with xi, if it is not the xi they hold.
@@ -147,7 +147,7 @@ class ContactUnderLoad {
   HWY_INLINE T solve(T sign, const StepCoefficients<T>& step, const Load& load, T distance_within, T force_within) {
     const T half_slope = inverse_slope_in(segment_, load) / 2;
     const Side distance{step.b, step.g, -2, half_slope * sign, distance_within};
-    const Side force{step.p, step.q, 2 * load.inverse_admittance, half_slope * load.inverse_admittance, force_within};
+    const Side force{step.p, step.q, 2 * load.inverse_receptance, half_slope * load.inverse_receptance, force_within};
     T elastic;
     solve_both(sign, step.discriminant, distance, force, beyond_, elastic);
     return positive(elastic);
@@ -217,7 +217,7 @@ class ContactUnderLoad {
     const T here = force_displacement_at(entry_, load) + 2 * stiffness * beyond_;
     const T inverse_slope = inverse_slope_in(segment_, load);
     steps.distance_within = (xf - here) * inverse_slope;
-    steps.force_within = (here + stiffness * xf) * (inverse_slope * load.inverse_admittance);
+    steps.force_within = (here + stiffness * xf) * (inverse_slope * load.inverse_receptance);
     return found;
   }
 

@@ -77,11 +77,11 @@ class ContactLanes {
     dt_ = load([](Voice voice) { return voice.strike.time_step_s; });
     gain_ = load([](Voice voice) { return voice.strike.damping_gain; });
     const V mass = load([](Voice voice) { return voice.hammer->mass_kg; });
-    const V of_string = load([](Voice voice) { return voice.strike.admittance_of_string; });
+    const V of_string = load([](Voice voice) { return voice.strike.receptance_of_string; });
     const V loss = load([](Voice voice) { return voice.hammer->felt.loss_s_per_m; });
     velocity_per_force_ = hn::Div(dt_, mass);
-    admittance_ = hn::MulAdd(gain_, of_string, hn::Mul(hn::Mul(dt_, velocity_per_force_), hn::Set(tag(), T(0.5))));
-    xi_ = hn::Mul(admittance_, ratio_);
+    receptance_ = hn::MulAdd(gain_, of_string, hn::Mul(hn::Mul(dt_, velocity_per_force_), hn::Set(tag(), T(0.5))));
+    xi_ = hn::Mul(receptance_, ratio_);
     loss_ = hn::Div(hn::Mul(loss, ratio_), dt_);
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       const ContactTable<T>& table = voice(lane).strike.table;
@@ -115,7 +115,7 @@ class ContactLanes {
     free_increment_ = hn::NegMulAdd(gain_, predicted, hn::Mul(dt_, velocity_));
     xf_ = free_increment_, lossy_xi_ = xi_;
     if (is_lossy_) {
-      resistance_ = hn::Mul(loss_, forces_midway()), divisor_ = hn::MulAdd(admittance_, resistance_, one);
+      resistance_ = hn::Mul(loss_, forces_midway()), divisor_ = hn::MulAdd(receptance_, resistance_, one);
       xf_ = hn::Div(xf_, divisor_), lossy_xi_ = hn::Div(xi_, divisor_);
     }
     const V xi = lossy_xi_;
@@ -225,7 +225,7 @@ class ContactLanes {
     HWY_ALIGN T right[kLanes], y0[kLanes], last[kLanes], xf[kLanes], xi[kLanes], ys[kLanes], fs[kLanes];
     hn::Store(hn::IfThenElseZero(is_right, hn::Set(tag(), T(1))), tag(), right);
     hn::Store(y_, tag(), y0), hn::Store(last_increment_, tag(), last);
-    hn::Store(free_increment_, tag(), xf), hn::Store(admittance_, tag(), xi);
+    hn::Store(free_increment_, tag(), xf), hn::Store(receptance_, tag(), xi);
     hn::Store(y, tag(), ys), hn::Store(f, tag(), fs);
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       if (right[lane] == 1) continue;
@@ -264,7 +264,7 @@ class ContactLanes {
   const Segment<T>* rows_[kLanes];
   const T *knots_[kLanes], *energies_[kLanes];
   bool is_lossy_, has_stopped_;  // any of them
-  V dt_, gain_, ratio_, velocity_per_force_, admittance_, xi_, loss_;
+  V dt_, gain_, ratio_, velocity_per_force_, receptance_, xi_, loss_;
   // State:
   V y_, velocity_, last_increment_, force_;
   Knot segment_[kLanes];

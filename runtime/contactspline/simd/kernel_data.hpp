@@ -21,7 +21,7 @@ struct ModalArrays {
   const T* stiffness;
   const T* stiffness_rest;
   const T* loss;
-  const T* admittance;
+  const T* receptance;
   T* displacement;
   T* free_increment;
   T* change;  ///< of the displacement over the last sample, where the modes are advanced one sample at a time
@@ -32,7 +32,7 @@ template <std::floating_point T>
 struct SquareForm {
   const T* squares;
   T* gradient;  ///< squares times displacement, which a kernel may leave as it is
-  T* motion;    ///< admittance times gradient
+  T* motion;    ///< receptance times gradient
   T moved_by;   ///< by how much of the motion the form changes the displacements in a sample
 };
 
@@ -99,7 +99,7 @@ inline constexpr int kKnotsAhead = 16;
 template <std::floating_point T>
 inline constexpr T kSentinelKnot = (std::numeric_limits<T>::max)() / 4;
 
-/// A SegmentTable column by column, with its products with the admittance. Entry k of a column is entry k of the
+/// A SegmentTable column by column, with its products with the receptance. Entry k of a column is entry k of the
 /// table, except knots[0]. Sentinel segments without force stand on both sides: kKnotsAhead + 1 and more before entry
 /// 1 and after entry N.
 template <std::floating_point T>
@@ -113,7 +113,7 @@ struct ContactTable {
   const T* block_first_energies;  ///< there
   std::size_t blocks;             ///< from entry 1 on
   const Segment<T>* rows;         ///< the same table by segments
-  // Products with xi, the admittance times the stiffness ratio:
+  // Products with xi, the receptance times the stiffness ratio:
   T* prepared_xi;          ///< the xi that the products hold [m/N], -1 at first
   T* force_displacements;  ///< xi times the force at each knot [m]
   T* stiffnesses;          ///< xi c of each segment
@@ -128,13 +128,13 @@ struct StrikeConstants {
   SegmentTable<T> segments;  ///< the same table by segments
   const T* shape;            ///< of the modes at the place of the strike
   // Changes of each mode by a force at that place, per newton:
-  const T* admittance;           ///< of the displacement after the sample
+  const T* receptance;           ///< of the displacement after the sample
   const T* free_increment_gain;  ///< of the free increment after the sample
   const T* amplitude_gain;       ///< shape/sqrt(stiffness - (loss + stiffness)^2 / 4)
-  const T* unit;                 ///< unit of a mode's state under load: its admittance, so that a force is just added
+  const T* unit;                 ///< unit of a mode's state under load: its receptance, so that a force is just added
   const T* per_unit;             ///< 1/unit
-  T admittance_of_string;        ///< sum of shape times admittance [m/N]
-  T free_admittance;             ///< sum of shape times free_increment_gain [m/N]
+  T receptance_of_string;        ///< sum of shape times receptance [m/N]
+  T free_receptance;             ///< sum of shape times free_increment_gain [m/N]
   T* workspace;                  ///< the rows of ModeRow, line by line; the constants are already there
   // Of the call:
   T time_step_s;
@@ -163,7 +163,7 @@ struct RetunedModes {
   // What they had before, and have then: displacement, velocity, decay and loss stay.
   alignas(64) Array stiffness, velocity_gain, displacement, free_increment;
   // What they have then.
-  alignas(64) Array admittance, averaging_factor, one_plus_z_square;
+  alignas(64) Array receptance, averaging_factor, one_plus_z_square;
 };
 
 /// State of a hammer from its throw until it is stopped.

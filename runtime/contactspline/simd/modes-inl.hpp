@@ -138,7 +138,7 @@ HWY_INLINE Sample sum_free_increments_here(std::size_t modes, const Sample* free
   return hn::GetLane(hn::SumOfLanes(tag, travel));
 }
 
-/// One sample under forces: the change of a mode is damping_gain times (free increment + admittance sum of shape
+/// One sample under forces: the change of a mode is damping_gain times (free increment + receptance sum of shape
 /// force). Sums the first kRows rows of `at` on the way. The arrays are copied pointers, so that stores do not make
 /// the compiler load them again.
 template <std::size_t kRows, typename T>
@@ -151,14 +151,14 @@ HWY_INLINE T advance_and_sum(const ModalArrays<T> modes, T damping_gain, std::sp
   Vector<T> parts[kRows + 1];
   for (std::size_t p = 0; p < kRows; ++p) rows[p] = at[p], parts[p] = hn::Zero(tag);
   const std::size_t pushes = pushed.size();
-  const T* const first = pushes > 0 ? pushed[0] : modes.admittance;
+  const T* const first = pushes > 0 ? pushed[0] : modes.receptance;
   const auto first_force = hn::Set(tag, pushes > 0 ? forces[0] : T(0));
   for (std::size_t i = 0; i < modes.modes; i += hn::Lanes(tag)) {
     const auto d = hn::Load(tag, modes.free_increment + i), loss = hn::Load(tag, modes.loss + i);
     auto force = hn::Mul(first_force, hn::Load(tag, first + i));
     for (std::size_t p = 1; p < pushes; ++p)
       force = hn::MulAdd(hn::Set(tag, forces[p]), hn::Load(tag, pushed[p] + i), force);
-    const auto c = hn::Mul(gain, hn::MulAdd(hn::Load(tag, modes.admittance + i), force, d));
+    const auto c = hn::Mul(gain, hn::MulAdd(hn::Load(tag, modes.receptance + i), force, d));
     const auto q = hn::Add(hn::Load(tag, modes.displacement + i), c);
     auto pull = hn::MulAdd(hn::Load(tag, modes.stiffness + i), q, hn::Mul(loss, c));
     if constexpr (kRounds<T>) pull = hn::MulAdd(hn::Load(tag, modes.stiffness_rest + i), q, pull);
@@ -210,7 +210,7 @@ HWY_INLINE void advance_stretching_here(const ModalArrays<Sample>& arrays, const
     auto pull = hn::MulAdd(hn::Load(tag, modes.stiffness + i), q, hn::Mul(hn::Load(tag, modes.loss + i), c));
     if constexpr (kRounds<Sample>) pull = hn::MulAdd(hn::Load(tag, modes.stiffness_rest + i), q, pull);
     const auto d = hn::Sub(c, pull), gradient = hn::Mul(hn::Load(tag, form.squares + i), q);
-    const auto motion = hn::Mul(hn::Load(tag, modes.admittance + i), gradient);
+    const auto motion = hn::Mul(hn::Load(tag, modes.receptance + i), gradient);
     hn::Store(c, tag, modes.change + i);
     hn::Store(q, tag, modes.displacement + i);
     hn::Store(d, tag, modes.free_increment + i);
@@ -272,7 +272,7 @@ HWY_INLINE void retune_here(RetunedModes& m) {
     hn::Store(stiffness, tag, m.stiffness + i);
     hn::Store(averaging, tag, m.averaging_factor + i);
     hn::Store(hn::Div(hn::Mul(half, hn::Mul(averaging, hn::Mul(dt, dt))), hn::Load(tag, m.mass_kg + i)), tag,
-              m.admittance + i);
+              m.receptance + i);
     hn::Store(hn::MulAdd(scale, hn::Mul(cosine, cosine), loss_square), tag, m.one_plus_z_square + i);
     hn::Store(gain, tag, m.velocity_gain + i);
     hn::Store(hn::NegMulAdd(hn::Mul(half, hn::Add(loss, stiffness)), q, hn::Div(velocity, gain)), tag,

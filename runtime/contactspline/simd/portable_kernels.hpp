@@ -62,13 +62,13 @@ void commit_over_two_samples(std::size_t modes, const T* __restrict stiffness, c
   }
 }
 
-/// gradient = squares displacement, motion = admittance gradient.
+/// gradient = squares displacement, motion = receptance gradient.
 template <std::floating_point T>
 void multiply_squares(std::size_t modes, const T* __restrict squares, const T* __restrict displacement,
-                      const T* __restrict admittance, T* __restrict gradient, T* __restrict motion) {
+                      const T* __restrict receptance, T* __restrict gradient, T* __restrict motion) {
   for (std::size_t i = 0; i < modes; ++i) {
     gradient[i] = squares[i] * displacement[i];
-    motion[i] = admittance[i] * gradient[i];
+    motion[i] = receptance[i] * gradient[i];
   }
 }
 
@@ -214,19 +214,19 @@ T sum_free_increments(std::size_t modes, const T* free_increment, std::span<cons
 
 /// The change of each mode by four forces.
 template <std::floating_point T>
-void add_products(std::size_t modes, T gain, const T* __restrict admittance, const T* __restrict a,
+void add_products(std::size_t modes, T gain, const T* __restrict receptance, const T* __restrict a,
                   const T* __restrict b, const T* __restrict c, const T* __restrict d, const T* forces,
                   T* __restrict change) {
   const T f0 = gain * forces[0], f1 = gain * forces[1], f2 = gain * forces[2], f3 = gain * forces[3];
   for (std::size_t i = 0; i < modes; ++i)
-    change[i] += admittance[i] * ((f0 * a[i] + f1 * b[i]) + (f2 * c[i] + f3 * d[i]));
+    change[i] += receptance[i] * ((f0 * a[i] + f1 * b[i]) + (f2 * c[i] + f3 * d[i]));
 }
 
 /// The change of each mode by one force.
 template <std::floating_point T>
-void add_product(std::size_t modes, const T* __restrict admittance, const T* __restrict shape, T force,
+void add_product(std::size_t modes, const T* __restrict receptance, const T* __restrict shape, T force,
                  T* __restrict change) {
-  for (std::size_t i = 0; i < modes; ++i) change[i] += admittance[i] * shape[i] * force;
+  for (std::size_t i = 0; i < modes; ++i) change[i] += receptance[i] * shape[i] * force;
 }
 
 /// The change of each mode over a sample under damping_gain times the forces at the places `pushed`.
@@ -238,16 +238,16 @@ void change_under_forces(const ModalArrays<T>& modes, T damping_gain, std::span<
   if (modes.modes == 1) {  // a free mass
     T force = 0;
     for (std::size_t p = 0; p < pushed.size(); ++p) force += pushed[p][0] * forces[p];
-    change[0] = damping_gain * (free_increment[0] + modes.admittance[0] * force);
+    change[0] = damping_gain * (free_increment[0] + modes.receptance[0] * force);
     return;
   }
   for (std::size_t i = 0; i < modes.modes; ++i) change[i] = damping_gain * free_increment[i];
   std::size_t p = 0;
   for (; p + 4 <= pushed.size(); p += 4)
-    add_products(modes.modes, damping_gain, modes.admittance, pushed[p], pushed[p + 1], pushed[p + 2], pushed[p + 3],
+    add_products(modes.modes, damping_gain, modes.receptance, pushed[p], pushed[p + 1], pushed[p + 2], pushed[p + 3],
                  forces + p, change);
   for (; p < pushed.size(); ++p)
-    add_product(modes.modes, modes.admittance, pushed[p], damping_gain * forces[p], change);
+    add_product(modes.modes, modes.receptance, pushed[p], damping_gain * forces[p], change);
 }
 
 template <std::floating_point T>
@@ -284,7 +284,7 @@ inline void retune(RetunedModes& m) {
     const double phase_square = (w * w + decay * decay) * dt * dt;
     m.stiffness[i] = decay_loss * decay_loss + 4 * decay_factor * sine * sine;
     m.averaging_factor[i] = phase_square > 0 ? m.stiffness[i] / phase_square : 1;
-    m.admittance[i] = m.averaging_factor[i] * dt * dt / (2 * m.mass_kg[i]);
+    m.receptance[i] = m.averaging_factor[i] * dt * dt / (2 * m.mass_kg[i]);
     m.one_plus_z_square[i] = decay_loss * decay_loss + 4 * decay_factor * cosine * cosine;
     m.velocity_gain[i] = (w > 0 ? w / (2 * sine * cosine) : 1 / dt) / decay_factor;
     m.free_increment[i] = velocity / m.velocity_gain[i] - (m.loss[i] + m.stiffness[i]) / 2 * q;
@@ -295,7 +295,7 @@ template <std::floating_point T>
 void advance_stretching(const ModalArrays<T>& modes, const SquareForm<T>& form, T* sums) {
   commit_over_two_samples(modes.modes, modes.stiffness, modes.stiffness_rest, modes.loss, form.motion, form.moved_by,
                           modes.change, modes.displacement, modes.free_increment);
-  multiply_squares(modes.modes, form.squares, modes.displacement, modes.admittance, form.gradient, form.motion);
+  multiply_squares(modes.modes, form.squares, modes.displacement, modes.receptance, form.gradient, form.motion);
   const T* const factors[] = {modes.displacement, modes.free_increment, modes.change, form.motion};
   for (std::size_t k = 0; k < 4; ++k) sums[k] = inner_product<T>(modes.modes, form.gradient, factors[k]);
 }

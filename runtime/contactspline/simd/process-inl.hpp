@@ -10,9 +10,9 @@ class HammerUnderLoad {
         contact_(strike.table, hammer),
         dt_(strike.time_step_s),
         velocity_per_force_(strike.time_step_s / hammer.mass_kg),
-        admittance_(strike.time_step_s * velocity_per_force_ / 2 + strike.damping_gain * strike.admittance_of_string),
-        inverse_admittance_(1 / admittance_),
-        xi_(admittance_ * hammer.felt.stiffness_ratio),
+        receptance_(strike.time_step_s * velocity_per_force_ / 2 + strike.damping_gain * strike.receptance_of_string),
+        inverse_receptance_(1 / receptance_),
+        xi_(receptance_ * hammer.felt.stiffness_ratio),
         loss_(hammer.felt.loss_s_per_m * hammer.felt.stiffness_ratio / strike.time_step_s),
         velocity_(hammer.velocity_m_per_s),
         last_increment_(hammer.last_increment_m) {
@@ -23,7 +23,7 @@ class HammerUnderLoad {
   /// Displacement of the hammer over the coming sample without force [m].
   [[nodiscard]] HWY_INLINE T free_displacement() const { return dt_ * velocity_; }
   /// Decrease of a free increment by a force in the sample before, through the hammer [m/N].
-  [[nodiscard]] HWY_INLINE T free_admittance() const { return dt_ * velocity_per_force_; }
+  [[nodiscard]] HWY_INLINE T free_receptance() const { return dt_ * velocity_per_force_; }
 
   /// First half of a sample, under a free increment of before - per_force * last.
   HWY_INLINE void prepare_step(T before, T per_force, T last) {
@@ -31,11 +31,11 @@ class HammerUnderLoad {
       free_increment_ = before - per_force * last;
       const std::size_t segment = contact_.segment();
       resistance_ = loss_ * force_midway(segments_, segment, contact_.compression(), last_increment_);
-      inverse_ = 1 / (1 + admittance_ * resistance_);
-      contact_.prepare_step({inverse_ * free_increment_, 0, 0, inverse_ * xi_, inverse_admittance_ + resistance_},
+      inverse_ = 1 / (1 + receptance_ * resistance_);
+      contact_.prepare_step({inverse_ * free_increment_, 0, 0, inverse_ * xi_, inverse_receptance_ + resistance_},
                             candidates_);
     } else {
-      contact_.prepare_step({before, per_force, last, xi_, inverse_admittance_}, candidates_);
+      contact_.prepare_step({before, per_force, last, xi_, inverse_receptance_}, candidates_);
     }
   }
 
@@ -69,7 +69,7 @@ class HammerUnderLoad {
 
   SegmentTable<T> segments_;
   ContactUnderLoad<kLossy, T> contact_;
-  T dt_, velocity_per_force_, admittance_, inverse_admittance_;
+  T dt_, velocity_per_force_, receptance_, inverse_receptance_;
   T xi_, loss_;
   T velocity_;
   T last_increment_;  // of the compression over the last sample, with loss [m]
@@ -78,7 +78,7 @@ class HammerUnderLoad {
   typename ContactUnderLoad<kLossy, T>::StepCandidates candidates_;
   T free_increment_ = 0;
   T resistance_ = 0;  // of the loss [N/m]
-  T inverse_ = 1;     // 1/(1 + admittance resistance)
+  T inverse_ = 1;     // 1/(1 + receptance resistance)
 };
 
 /// Fewest voices that are worth advancing side by side.
@@ -99,19 +99,19 @@ HWY_INLINE std::size_t process_in_lines(const StrikeConstants<T>& strike, Hammer
   const T gain = strike.damping_gain;
   ModesUnderLoad<T> modes(strike);
   modes.take();
-  const T pickup_admittance = modes.pickup_admittance();
+  const T pickup_receptance = modes.pickup_receptance();
   HammerUnderLoad<kLossy, T> hammer(strike, state);
-  const T free_admittance = hammer.free_admittance() + gain * gain * strike.free_admittance;
+  const T free_receptance = hammer.free_receptance() + gain * gain * strike.free_receptance;
   T before = hammer.free_displacement() - gain * modes.predicted();  // free increment without the last force
   T last = 0;  // force of the last sample, which the modes have not felt yet; earlier ones are in them
   std::size_t n = 0;
   for (; n < out.size() && hammer.compression() >= kHammerStop_m<T>; ++n) {
     if (!kDamped && n % kCheckInterval == 0 && n > 0 && hammer.compression() < 0) break;
     const T free_displacement = hammer.free_displacement();
-    hammer.prepare_step(before, free_admittance, last);
+    hammer.prepare_step(before, free_receptance, last);
     const auto sums = modes.template pass<kDamped>(gain, gain * last);
     const T now = hammer.finish_step();
-    out[n] = sums.output + pickup_admittance * gain * now;
+    out[n] = sums.output + pickup_receptance * gain * now;
     before = free_displacement - gain * sums.predicted;
     last = now;
     if (force != nullptr) force[n] = now;

@@ -39,7 +39,7 @@ class ModesUnderLoad {
     return hn::GetLane(hn::SumOfLanes(tag(), sum));
   }
   /// Displacement at the pickup per newton, once the force is applied.
-  [[nodiscard]] HWY_ATTR T pickup_admittance() const {
+  [[nodiscard]] HWY_ATTR T pickup_receptance() const {
     auto sum = hn::Zero(tag());
     each([&](std::size_t, const T* mode) HWY_ATTR { sum = hn::Add(sum, load(mode, ModeRow::pickup)); });
     return hn::GetLane(hn::SumOfLanes(tag(), sum));
@@ -193,7 +193,7 @@ class ModesInPlace {
       const auto rest = kRounds<T> ? hn::Load(tag, modes.stiffness_rest + at) : hn::Zero(tag);
       const auto loss = loss_with<T>(rest, hn::Load(tag, modes.loss + at));
       move<kDamped, T>(hn::Load(tag, modes.stiffness + at), rest, loss, gains, q, d);
-      q = hn::MulAdd(hn::Load(tag, strike_.admittance + at), pushes, q);
+      q = hn::MulAdd(hn::Load(tag, strike_.receptance + at), pushes, q);
       d = hn::MulAdd(hn::Load(tag, strike_.free_increment_gain + at), pushes, d);
       hn::Store(q, tag, modes.displacement + at);
       hn::Store(d, tag, modes.free_increment + at);

@@ -63,12 +63,12 @@ template <std::floating_point T>
 }
 
 /// What the two bodies do over one sample: under a contact force f the compression changes by
-/// x = free_increment - admittance f.
+/// x = free_increment - receptance f.
 template <std::floating_point T>
 struct Approach {
   T compression;     ///< y0, at the beginning of the sample [m]; negative while apart
   T free_increment;  ///< xf, change of compression over the sample if no force acted [m]
-  T admittance;      ///< xi > 0, decrease of the increment per unit of force [m/N]
+  T receptance;      ///< xi > 0, decrease of the increment per unit of force [m/N]
 };
 
 namespace detail {
@@ -198,7 +198,7 @@ struct Crossing : PotentialWalk<T, Table> {
   T xf, xi;
 
   constexpr Crossing(const Table& segments, std::size_t from, const Approach<T>& approach, bool upwards)
-      : Walk(segments, from, approach.compression, upwards), xf(approach.free_increment), xi(approach.admittance) {}
+      : Walk(segments, from, approach.compression, upwards), xf(approach.free_increment), xi(approach.receptance) {}
 
   /// Does the root lie beyond this knot, one of those that may be crossed?
   [[nodiscard]] constexpr bool crosses(std::size_t k) const {
@@ -245,7 +245,7 @@ struct Crossing : PotentialWalk<T, Table> {
 template <typename Table, std::floating_point T>
 [[nodiscard, gnu::always_inline]] constexpr ContactStep<T> contact_step(const Table& table, std::size_t start,
                                                                         const Approach<T>& approach, T divisor) {
-  const T y0 = approach.compression, xf = approach.free_increment, xi = approach.admittance;
+  const T y0 = approach.compression, xf = approach.free_increment, xi = approach.receptance;
   const Segment<T>& here = table[start];
   const std::size_t next = (std::min)(start + 1, table.size() - 1);
   // Within one segment the discrete gradient is linear: x = free/slope.
@@ -318,7 +318,7 @@ template <typename Table, std::floating_point T>
                                                                            const ContactControls<T>& controls,
                                                                            T time_step, const Approach<T>& approach,
                                                                            std::size_t start, T last_increment) {
-  const T y0 = approach.compression, xf = approach.free_increment, xi = approach.admittance;
+  const T y0 = approach.compression, xf = approach.free_increment, xi = approach.receptance;
   const T ratio = controls.stiffness_ratio;
   if (controls.loss_s_per_m == 0) {
     const auto elastic = contact_step(table, start, Approach<T>{y0, xf, ratio * xi}, T(1));

@@ -157,10 +157,10 @@ class Friction {
   }
 
   /// One sample. free_increment: xf, motion of the surfaces along each other over the sample without friction, that
-  /// of a place that moves by itself included [m]. admittance: xi > 0 [m/N].
-  constexpr FrictionStep<T> tick(const FrictionControls<T>& controls, T free_increment, T admittance) {
+  /// of a place that moves by itself included [m]. receptance: xi > 0 [m/N].
+  constexpr FrictionStep<T> tick(const FrictionControls<T>& controls, T free_increment, T receptance) {
     press(controls);
-    const FrictionStep<T> step = law().step(free_increment, admittance);
+    const FrictionStep<T> step = law().step(free_increment, receptance);
     advance(step);
     return step;
   }

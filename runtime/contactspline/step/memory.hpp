@@ -265,7 +265,7 @@ class ContactMemory {
                                                                   const Approach<T>& approach,
                                                                   std::size_t start) const {
     if (empty()) return detail::controlled_step(table, controls, time_step, approach, start, last_increment_);
-    const T y0 = approach.compression, xf = approach.free_increment, xi = approach.admittance;
+    const T y0 = approach.compression, xf = approach.free_increment, xi = approach.receptance;
     if (y0 < 0 && y0 + xf < 0) return {0, y0 + xf, 0};
     if (controls.loss_s_per_m == 0 && table[start].force_at(y0) >= remembered_.line()) {
       // Above the surface the line is a force that presses the bodies together.

@@ -62,7 +62,7 @@ class BodiesTangent {
     mover.put(place_m);
     p.acting_slopes = mover.after;
     p.acting = p.seen = mover.motion.after().data();
-    p.measure_drive(modes_.admittance);
+    p.measure_drive(modes_.receptance);
   }
   void move_place(std::size_t place, const Number& place_m) {
     Mover& mover = movers_[*places_[place].mover];
@@ -86,7 +86,7 @@ class BodiesTangent {
       if (!mover.move(place.acting_slopes)) continue;
       place.seen = mover.motion.after().data();
       place.acting = mover.motion.mean().data();
-      place.measure_drive(modes_.admittance);
+      place.measure_drive(modes_.receptance);
       const Number half = half_increment(mover, model);
       mover.lift = along(place, mover.motion.change().data(), &Modes::displacement, mover.change,
                          model.body(place.body).displacements().data()) +
@@ -95,7 +95,7 @@ class BodiesTangent {
     }
   }
 
-  /// What pushes do, and what forces do through the slopes of admittances and shapes.
+  /// What pushes do, and what forces do through the slopes of receptances and shapes.
   void push(const Model& model) {
     for (const std::size_t q : pushed_)
       for (std::size_t p = 0; p < P; ++p)
@@ -169,7 +169,7 @@ class BodiesTangent {
       added.acting_slopes.any[p] = has_loads_ = true;
       for (std::size_t i = 0; i < (std::min)(modes, all[q].size()); ++i) added.acting_slopes.of[p][i] = all[q][i];
     }
-    added.measure_drive(modes_.admittance);
+    added.measure_drive(modes_.receptance);
     if (place.wavenumbers_per_m.empty()) return;
     has_loads_ = true;
     added.mover = movers_.size();
@@ -211,10 +211,10 @@ class BodiesTangent {
     for (const Place& place : places_)
       for (std::size_t p = 0; p < P; ++p)
         if (place.load != 0 && place.acting_slopes.any[p])
-          Modes::add_product(place.modes, place.load, modes_.admittance.data() + place.begin,
+          Modes::add_product(place.modes, place.load, modes_.receptance.data() + place.begin,
                              place.acting_slopes.of[p].data(), slopes_[p].push(modes_, place.body));
   }
-  // What the loads do through the slopes of the admittances of a body.
+  // What the loads do through the slopes of the receptances of a body.
   void load_modes(std::size_t b) {
     const auto has_constants = [&](const Modes& slopes) { return slopes.has_constants[b] != 0; };
     if (std::ranges::none_of(slopes_, has_constants)) return;
@@ -249,7 +249,7 @@ class BodiesTangent {
   std::vector<std::size_t> pushed_;                 // places
   std::vector<std::vector<std::size_t>> asked_on_;  // each body: places of connections that are followed
   std::vector<DrivingForce<T>> forces_;
-  bool has_loads_ = false;  // do slopes of admittances or shapes count?
+  bool has_loads_ = false;  // do slopes of receptances or shapes count?
 };
 
 }  // namespace contactspline::detail

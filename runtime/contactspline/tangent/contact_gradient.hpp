@@ -107,13 +107,13 @@ class ContactBackwards {
   /// Between the two, the compression jumped: ContactMemory::set_last_increment of 0.
   void jump() { last_increment_ = 0; }
 
-  /// admittance: of all that moves the contact [m/N], for the slopes' gain.
-  [[nodiscard]] Step linearise(const Sample& sample, T admittance) const {
+  /// receptance: of all that moves the contact [m/N], for the slopes' gain.
+  [[nodiscard]] Step linearise(const Sample& sample, T receptance) const {
     T line = 0;
     for (const T value : sample.remembered) line += value;
     const ContactPath<T> path(table_, line, sample.before, sample.after, sample.last_increment);
     const ContactControls<T> designed{controls_.stiffness_ratio * design_.stiffness.value, controls_.loss_s_per_m};
-    return {path, ContactSlopes<T>(path, designed, time_step_, admittance, sample.force)};
+    return {path, ContactSlopes<T>(path, designed, time_step_, receptance, sample.force)};
   }
 
   /// Adds what the adjoint of the force, at constant compressions, does to all numbers and to what is remembered.

@@ -181,7 +181,7 @@ struct ContactSlopes {
   constexpr ContactSlopes() = default;
 
   /// controls: designed for the rate. force: the step's [N]; where it is 0 nothing acts.
-  ContactSlopes(const ContactPath<T>& path, const ContactControls<T>& controls, T time_step, T admittance, T force) {
+  ContactSlopes(const ContactPath<T>& path, const ContactControls<T>& controls, T time_step, T receptance, T force) {
     if (!(force > 0)) return;
     T mean = 0, above = 0;
     path.for_pieces([&](std::size_t j, T from, T to) {
@@ -206,7 +206,7 @@ struct ContactSlopes {
     if (factor == 1) last = table_midway * s.half_curvature;
     before += 2 * table_midway * s.half_curvature - scaled * midway;
     after += scaled * midway;
-    gain = 1 + admittance * after;
+    gain = 1 + receptance * after;
   }
 
   /// df/dy0 at constant increments.
@@ -262,14 +262,14 @@ class ContactTangent {
 
   /// Follows a sample that the model has advanced from the compression `before` [m], with its controls.
   Step advance(const ContactControls<T>& controls, const Number& before, const Number& free_increment,
-               const Number& admittance, T force, T compression) {
+               const Number& receptance, T force, T compression) {
     const Response response = respond(controls, before, force, compression);
     Step step{force, compression};
     for (std::size_t p = 0; p < P; ++p) {
-      const T pushed = free_increment.slopes[p] - force * admittance.slopes[p];
+      const T pushed = free_increment.slopes[p] - force * receptance.slopes[p];
       step.force.slopes[p] =
-          (response.force.slopes[p] + response.stiffness * pushed) / (1 + admittance.value * response.stiffness);
-      step.compression.slopes[p] = before.slopes[p] + pushed - admittance.value * step.force.slopes[p];
+          (response.force.slopes[p] + response.stiffness * pushed) / (1 + receptance.value * response.stiffness);
+      step.compression.slopes[p] = before.slopes[p] + pushed - receptance.value * step.force.slopes[p];
     }
     relax(before, step.compression);
     return step;

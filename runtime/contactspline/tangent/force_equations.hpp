@@ -46,11 +46,11 @@ class ForceEquations {
     acting_.push_back(connection);
     responses_.push_back(response);
   }
-  /// Factorises the matrix, after the last connection. solver: of the network, for its admittances.
+  /// Factorises the matrix, after the last connection. solver: of the network, for its receptances.
   void factorise(const CoupledContacts<T>& solver) {
     const std::size_t n = acting_.size();
     if (n == 1) {
-      alone_ = 1 / (1 + solver.admittance(acting_[0], acting_[0]) * responses_[0]);
+      alone_ = 1 / (1 + solver.receptance(acting_[0], acting_[0]) * responses_[0]);
       return;
     }
     roots_.clear();
@@ -59,7 +59,7 @@ class ForceEquations {
       T* column = factor_.column(j);
       std::fill_n(column, factor_.padded(n), T(0));
       for (std::size_t i = j; i < n; ++i)
-        column[i] = T(i == j) + roots_[i] * solver.admittance(acting_[i], acting_[j]) * roots_[j];
+        column[i] = T(i == j) + roots_[i] * solver.receptance(acting_[i], acting_[j]) * roots_[j];
     }
     detail::factorise(factor_, n);
     ends_.assign(n, n);

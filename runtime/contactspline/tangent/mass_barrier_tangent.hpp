@@ -37,7 +37,7 @@ class MassBarrierTangent {
         time_step_(1 / sample_rate_hz) {
     const T dt = time_step_;
     const Number mass = detail::with_slopes(controls.mass_kg, directions_, &ThrowNumbers<T>::mass_kg);
-    admittance_ = Number(dt * dt / 2) / mass;
+    receptance_ = Number(dt * dt / 2) / mass;
     gravity_step_ = Number(dt * dt) *
                     detail::with_slopes(controls.gravity_m_per_s2, directions_, &ThrowNumbers<T>::gravity_m_per_s2);
   }
@@ -56,11 +56,11 @@ class MassBarrierTangent {
   void tick() {
     model_.tick(controls_);
     const Number free_increment = velocity_step_ + Number(T(0.5)) * gravity_step_;
-    const auto step = contact_.advance(controls_.contact, displacement_, free_increment, admittance_, model_.force(),
+    const auto step = contact_.advance(controls_.contact, displacement_, free_increment, receptance_, model_.force(),
                                        model_.displacement());
     displacement_ = step.compression;
     force_ = step.force;
-    velocity_step_ = velocity_step_ + gravity_step_ - Number(2) * admittance_ * force_;
+    velocity_step_ = velocity_step_ + gravity_step_ - Number(2) * receptance_ * force_;
   }
 
   [[nodiscard]] const Number& displacement() const { return displacement_; }             ///< [m]
@@ -74,7 +74,7 @@ class MassBarrierTangent {
   MassBarrierControls<T> controls_;
   std::array<ThrowNumbers<T>, P> directions_;
   T time_step_;
-  Number admittance_, gravity_step_, displacement_, velocity_step_, force_;
+  Number receptance_, gravity_step_, displacement_, velocity_step_, force_;
 };
 
 }  // namespace contactspline

@@ -30,7 +30,7 @@ template <std::floating_point T>
 struct ModeSlopes {
   std::vector<T> displacement, increment, change;
   std::vector<T> pushed;  ///< free increments with what is known before the forces of a sample
-  std::vector<T> stiffness, loss, admittance;
+  std::vector<T> stiffness, loss, receptance;
   std::vector<char> has_constants;  ///< for each body: do constants of its modes change?
   std::vector<char> is_pushed;      ///< for each body: is `pushed` in use in this sample?
 
@@ -43,7 +43,7 @@ struct ModeSlopes {
         pushed(modes.size()),
         stiffness(modes.size()),
         loss(modes.size()),
-        admittance(modes.size()),
+        receptance(modes.size()),
         has_constants(plan.bodies().size()),
         is_pushed(plan.bodies().size()) {
     for (std::size_t b = 0; b < (std::min)(direction.size(), plan.bodies().size()); ++b)
@@ -52,8 +52,8 @@ struct ModeSlopes {
         const ModeStep step = step_tangent(plan.bodies()[b][i], direction[b][i], sample_rate_hz);
         stiffness[m] = static_cast<T>(step.stiffness);
         loss[m] = static_cast<T>(step.loss);
-        admittance[m] = static_cast<T>(step.admittance);
-        if (stiffness[m] != 0 || loss[m] != 0 || admittance[m] != 0) has_constants[b] = 1;
+        receptance[m] = static_cast<T>(step.receptance);
+        if (stiffness[m] != 0 || loss[m] != 0 || receptance[m] != 0) has_constants[b] = 1;
       }
   }
 
@@ -64,14 +64,14 @@ struct ModeSlopes {
       copy(modes.begins[body + 1] - begin, increment.data() + begin, pushed.data() + begin);
     return pushed.data() + begin;
   }
-  /// Adds what forces do through the slopes of the admittances. loads: of each mode of the body, by its shapes [N].
+  /// Adds what forces do through the slopes of the receptances. loads: of each mode of the body, by its shapes [N].
   void push_loads(const NetworkModes<T>& modes, std::size_t body, const T* loads) {
     const std::size_t begin = modes.begins[body], n = modes.begins[body + 1] - begin;
     const bool was_pushed = std::exchange(is_pushed[body], 1) != 0;
     if (was_pushed)
-      add_product(n, T(1), admittance.data() + begin, loads, pushed.data() + begin);
+      add_product(n, T(1), receptance.data() + begin, loads, pushed.data() + begin);
     else
-      load(n, increment.data() + begin, admittance.data() + begin, loads, pushed.data() + begin);
+      load(n, increment.data() + begin, receptance.data() + begin, loads, pushed.data() + begin);
   }
   /// The free increments of a body, with what was added.
   [[nodiscard]] const T* free(const NetworkModes<T>& modes, std::size_t body) const {
@@ -85,7 +85,7 @@ struct ModeSlopes {
     if (n == 1) return advance_one(modes, body, forces);
     for (; forces.size() > 2; forces = forces.subspan(1))
       add_scaled(n, forces[0].force, forces[0].drive, push(modes, body));
-    const DrivingForce<T> none{modes.admittance.data() + begin, T(0)};
+    const DrivingForce<T> none{modes.receptance.data() + begin, T(0)};
     const DrivingForce<T> a = !forces.empty() ? forces[0] : none, b = forces.size() > 1 ? forces[1] : none;
     const T *stiff = modes.stiffness.data() + begin, *lossy = modes.loss.data() + begin;
     T *at = displacement.data() + begin, *next = increment.data() + begin, *moved = change.data() + begin;
@@ -157,9 +157,9 @@ struct ModeSlopes {
     }
   }
 
-  static void load(std::size_t n, const T* __restrict increment, const T* __restrict admittance,
+  static void load(std::size_t n, const T* __restrict increment, const T* __restrict receptance,
                    const T* __restrict loads, T* __restrict pushed) {
-    for (std::size_t i = 0; i < n; ++i) pushed[i] = increment[i] + admittance[i] * loads[i];
+    for (std::size_t i = 0; i < n; ++i) pushed[i] = increment[i] + receptance[i] * loads[i];
   }
   static void pull(std::size_t n, const T* __restrict stiffness, const T* __restrict loss, const T* __restrict change,
                    const T* __restrict displacement, T* __restrict increment) {

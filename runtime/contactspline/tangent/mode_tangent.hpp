@@ -20,18 +20,18 @@ namespace detail {
 
 /// The constants that advance a mode (ModeConstants), or their derivatives.
 struct ModeStep {
-  double stiffness = 0, loss = 0, admittance = 0;
+  double stiffness = 0, loss = 0, receptance = 0;
 };
 
 /// As ModalBank sets them: no force drives a mode above half the sample rate.
 [[nodiscard]] inline ModeStep step_of(const Mode& mode, double sample_rate_hz) {
   const ModeConstants constants = mode_constants(mode, sample_rate_hz);
   const bool sounds = mode.angular_frequency_rad_per_s < std::numbers::pi * sample_rate_hz;
-  return {constants.stiffness, constants.loss, sounds ? constants.admittance : 0};
+  return {constants.stiffness, constants.loss, sounds ? constants.receptance : 0};
 }
 
 /// The derivative of step_of(mode) in a direction. With r = exp(-decay dt): stiffness 1 - 2 r cos(w dt) + r^2, loss 1
-/// - r^2, admittance stiffness/(2 m (w^2 + decay^2)).
+/// - r^2, receptance stiffness/(2 m (w^2 + decay^2)).
 [[nodiscard]] inline ModeStep step_tangent(const Mode& mode, const Mode& direction, double sample_rate_hz) {
   const double w = mode.angular_frequency_rad_per_s, decay = mode.decay_per_s, dt = 1 / sample_rate_hz;
   const double dw = direction.angular_frequency_rad_per_s, ddecay = direction.decay_per_s;
@@ -46,7 +46,7 @@ struct ModeStep {
   const double square = w * w + decay * decay;
   double relative = -direction.mass_kg / mode.mass_kg;
   if (square > 0) relative += tangent.stiffness / step.stiffness - 2 * (w * dw + decay * ddecay) / square;
-  tangent.admittance = step.admittance * relative;
+  tangent.receptance = step.receptance * relative;
   return tangent;
 }
 

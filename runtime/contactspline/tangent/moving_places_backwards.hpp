@@ -12,7 +12,7 @@
 
 #include "contactspline/network/coupled_contacts.hpp"
 #include "contactspline/network/network_plan.hpp"
-#include "contactspline/tangent/moved_admittances.hpp"
+#include "contactspline/tangent/moved_receptances.hpp"
 #include "contactspline/tangent/network_adjoints.hpp"
 #include "contactspline/tangent/network_modes.hpp"
 #include "contactspline/tangent/network_numbers.hpp"
@@ -23,7 +23,7 @@ namespace contactspline::detail {
 
 /// The places that move: forwards through a block for the motion of its modes, then back for their adjoints. Let phi
 /// be the shapes of a place after a sample in which it moves, q the displacements of the modes, c their changes over
-/// the sample, and _ mark the values one sample earlier. The forces there change c by admittance (phi_ + phi)/2, and
+/// the sample, and _ mark the values one sample earlier. The forces there change c by receptance (phi_ + phi)/2, and
 /// what presses the connections is
 ///
 ///     before    phi_ q_ - owed_
@@ -45,7 +45,7 @@ class MovingPlaces {
         next_(record.moves.size()) {
     for (const std::size_t p : record.movers) movers_.emplace_back(p, plan.places()[p].wavenumbers_per_m);
     while (next_ > 0 && record.moves[next_ - 1].sample >= record.ends.size()) --next_;
-    if (!movers_.empty()) admittances_.emplace(plan, sample_rate_hz);
+    if (!movers_.empty()) receptances_.emplace(plan, sample_rate_hz);
   }
 
   /// Begins a block at its first sample, with the places where they are then [m]. Blocks go from the last to the
@@ -81,7 +81,7 @@ class MovingPlaces {
       act(mover);
     }
   }
-  /// The admittances of the sample: those of the network as it is, if no place of it moves.
+  /// The receptances of the sample: those of the network as it is, if no place of it moves.
   [[nodiscard]] const CoupledContacts<T>& solver(const CoupledContacts<T>& of_network) {
     if (movers_.empty()) return of_network;
     for (Mover& mover : movers_) {
@@ -90,9 +90,9 @@ class MovingPlaces {
                                     history.place_m()};
       if (mover.measured == between) continue;
       mover.measured = between;
-      admittances_->move(mover.place, places_[mover.place].acting);
+      receptances_->move(mover.place, places_[mover.place].acting);
     }
-    return admittances_->solver();
+    return receptances_->solver();
   }
 
   /// The adjoints of the changes, after those of the modes alone. change, last: over the sample, and the one before.
@@ -122,9 +122,9 @@ class MovingPlaces {
     for (const std::size_t m : moving_) {
       Mover& mover = movers_[m];
       Place& place = places_[mover.place];
-      add_to_shapes(place, mover, modes_.admittance.data() + place.begin, change + place.begin,
+      add_to_shapes(place, mover, modes_.receptance.data() + place.begin, change + place.begin,
                     displacement + place.begin, adjoints_.change.data() + place.begin,
-                    adjoints_.admittance.data() + place.begin);
+                    adjoints_.receptance.data() + place.begin);
       mover.at += mover.history.of_place(mover.history.place_m(), place.shapes);
       std::swap(place.shapes, mover.of_before);
     }
@@ -171,7 +171,7 @@ class MovingPlaces {
     std::vector<T> mean, change;                // mean and change of the shapes, where it moves
     std::vector<T> of_change, of_before, last;  // adjoints: of `change`, of the shapes before, and of c_
     T owed = 0, at = 0;                         // adjoints, the second of the position
-    std::pair<T, T> measured = {T(-1), T(-1)};  // positions before and after, for the admittances
+    std::pair<T, T> measured = {T(-1), T(-1)};  // positions before and after, for the receptances
     bool has_last = false;
 
     Mover(std::size_t p, const std::vector<double>& wavenumbers_per_m)
@@ -203,15 +203,15 @@ class MovingPlaces {
     }
     places_[mover.place].acting = mover.mean.data();
   }
-  // What forces at the place did to its shapes and to the admittances of the modes, while it was at rest.
+  // What forces at the place did to its shapes and to the receptances of the modes, while it was at rest.
   void add_forced(Mover& mover) {
     Place& place = places_[mover.place];
-    const T *shapes = mover.history.shapes(), *admittance = modes_.admittance.data() + place.begin;
-    T* of_admittance = adjoints_.admittance.data() + place.begin;
+    const T *shapes = mover.history.shapes(), *receptance = modes_.receptance.data() + place.begin;
+    T* of_receptance = adjoints_.receptance.data() + place.begin;
     for (std::size_t i = 0; i < place.modes(); ++i) {
       const T forced = std::exchange(place.forced[i], T(0));
-      place.shapes[i] += admittance[i] * forced;
-      of_admittance[i] += shapes[i] * forced;
+      place.shapes[i] += receptance[i] * forced;
+      of_receptance[i] += shapes[i] * forced;
     }
   }
 
@@ -239,14 +239,14 @@ class MovingPlaces {
       mover.of_change[i] += half * last[i];
     }
   }
-  static void add_to_shapes(Place& place, Mover& mover, const T* __restrict admittance, const T* __restrict change,
+  static void add_to_shapes(Place& place, Mover& mover, const T* __restrict receptance, const T* __restrict change,
                             const T* __restrict displacement, const T* __restrict of_change,
-                            T* __restrict of_admittance) {
+                            T* __restrict of_receptance) {
     const T seen = place.after + place.by_weights;
     for (std::size_t i = 0; i < place.modes(); ++i) {
       const T before = displacement[i] - change[i], force = place.force * of_change[i];
-      const T half_mean = (admittance[i] * force + place.by_forces * change[i]) / 2;
-      of_admittance[i] += mover.mean[i] * force;
+      const T half_mean = (receptance[i] * force + place.by_forces * change[i]) / 2;
+      of_receptance[i] += mover.mean[i] * force;
       place.shapes[i] += seen * displacement[i] + place.by_forces * before + half_mean + mover.of_change[i];
       mover.of_before[i] = place.before * before + half_mean - mover.of_change[i];
     }
@@ -260,7 +260,7 @@ class MovingPlaces {
   std::size_t next_;  // move of the record
   std::vector<Mover> movers_;
   std::vector<std::size_t> moving_;  // movers, in this sample
-  std::optional<MovedAdmittances<T>> admittances_;
+  std::optional<MovedReceptances<T>> receptances_;
 };
 
 }  // namespace contactspline::detail

@@ -21,10 +21,10 @@ namespace contactspline::detail {
 template <std::floating_point T>
 struct ModeAdjoints {
   std::vector<T> displacement, increment, change;
-  std::vector<T> stiffness, loss, admittance;
+  std::vector<T> stiffness, loss, receptance;
 
   explicit ModeAdjoints(std::size_t n)
-      : displacement(n), increment(n), change(n), stiffness(n), loss(n), admittance(n) {}
+      : displacement(n), increment(n), change(n), stiffness(n), loss(n), receptance(n) {}
 };
 
 /// A place in a sample, and its adjoints.
@@ -33,7 +33,7 @@ struct PlaceAdjoints {
   std::size_t begin;              ///< first mode of its body
   const T* acting;                ///< shapes with which forces act over the sample,
   const T* seen;                  ///< and those with which displacements are seen after it
-  std::vector<T> shapes, forced;  ///< adjoint of the shapes by displacements, and of admittance times shapes
+  std::vector<T> shapes, forced;  ///< adjoint of the shapes by displacements, and of receptance times shapes
   T force = 0;                    ///< on it over the sample [N]
   T by_weights = 0;               ///< adjoint of its displacement after the sample by weights
   T before = 0, after = 0;        ///< adjoints of what presses connections there before and after the sample,

@@ -201,10 +201,10 @@ class NetworkBackwards {
   // The adjoint of a force at each place, by the adjoints of the changes of the modes.
   void measure_pushes() {
     for (const std::size_t p : places_.forced()) {
-      const T *shape = places_[p].acting, *admittance = modes_.admittance.data() + places_[p].begin;
+      const T *shape = places_[p].acting, *receptance = modes_.receptance.data() + places_[p].begin;
       const T* adjoint = adjoints_.change.data() + places_[p].begin;
       places_[p].pushed =
-          sum_of<T>(places_[p].modes(), [&](std::size_t i) { return shape[i] * admittance[i] * adjoint[i]; });
+          sum_of<T>(places_[p].modes(), [&](std::size_t i) { return shape[i] * receptance[i] * adjoint[i]; });
     }
   }
 
@@ -234,7 +234,7 @@ class NetworkBackwards {
       if (steps_[b].slopes.after > 0) continue;
       for (std::size_t a = 0; a < responding.size(); ++a)
         connections_[acting[b].connection].force -=
-            solver.admittance(acting[b].connection, responding[a]) * right_[a];
+            solver.receptance(acting[b].connection, responding[a]) * right_[a];
     }
   }
 
@@ -323,14 +323,14 @@ class NetworkBackwards {
   }
 
   void finish_bodies() {
-    std::vector<T>& admittance = adjoints_.admittance;
+    std::vector<T>& receptance = adjoints_.receptance;
     NetworkNumbers<T>& numbers = gradient_.numbers;
     for (std::size_t p = 0; p < places_.size(); ++p) {
       const Place& place = places_[p];
       numbers.places.emplace_back(place.modes());
       for (std::size_t i = 0; i < place.modes(); ++i) {
-        numbers.places[p][i] = place.shapes[i] + modes_.admittance[place.begin + i] * place.forced[i];
-        admittance[place.begin + i] += place.acting[i] * place.forced[i];
+        numbers.places[p][i] = place.shapes[i] + modes_.receptance[place.begin + i] * place.forced[i];
+        receptance[place.begin + i] += place.acting[i] * place.forced[i];
       }
     }
     for (std::size_t b = 0; b < plan_.bodies().size(); ++b) {
@@ -340,7 +340,7 @@ class NetworkBackwards {
         const auto by = [&](const Mode& direction) {
           const ModeStep step = step_tangent(plan_.bodies()[b][i], direction, rate_);
           return double(adjoints_.stiffness[m]) * step.stiffness + double(adjoints_.loss[m]) * step.loss +
-                 double(admittance[m]) * step.admittance;
+                 double(receptance[m]) * step.receptance;
         };
         numbers.bodies[b].push_back({by({1, 0, 0}), by({0, 1, 0}), by({0, 0, 1})});
       }

@@ -19,8 +19,8 @@ namespace contactspline::detail {
 template <std::floating_point T>
 struct NetworkModes {
   std::vector<std::size_t> begins = {0};  // first mode of each body, and the number of all
-  std::vector<T> stiffness, loss, admittance;
-  std::vector<T> own_stiffness, own_loss, own_admittance;  // before forms have springs of them
+  std::vector<T> stiffness, loss, receptance;
+  std::vector<T> own_stiffness, own_loss, own_receptance;  // before forms have springs of them
 
   NetworkModes(const NetworkPlan<T>& plan, double sample_rate_hz) {
     for (const auto& modes : plan.bodies()) {
@@ -28,11 +28,11 @@ struct NetworkModes {
         const ModeStep step = step_of(mode, sample_rate_hz);
         stiffness.push_back(static_cast<T>(step.stiffness));
         loss.push_back(static_cast<T>(step.loss));
-        admittance.push_back(static_cast<T>(step.admittance));
+        receptance.push_back(static_cast<T>(step.receptance));
       }
       begins.push_back(stiffness.size());
     }
-    own_stiffness = stiffness, own_loss = loss, own_admittance = admittance;
+    own_stiffness = stiffness, own_loss = loss, own_receptance = receptance;
     for (std::size_t b = 0; b < plan.bodies().size(); ++b)
       for (const StretchForm& form : plan.forms(b))
         if (has_spring(b, form)) give_away_spring(begins[b] + form.linear.mode, spring_of(form));
@@ -43,7 +43,7 @@ struct NetworkModes {
   [[nodiscard]] bool has_spring(std::size_t body, const StretchForm& form) const {
     if (form.linear.factor_per_m == 0) return false;
     const std::size_t i = begins[body] + form.linear.mode;
-    return can_give_away_spring(double(own_stiffness[i]), double(own_admittance[i]));
+    return can_give_away_spring(double(own_stiffness[i]), double(own_receptance[i]));
   }
   /// Does a form act at this sample rate?
   [[nodiscard]] bool acts(std::size_t body, const StretchForm& form) const {
@@ -53,15 +53,15 @@ struct NetworkModes {
     return static_cast<T>(form.stiffness_j * form.linear.factor_per_m * form.linear.factor_per_m / 2);
   }
   /// By how much the constants of a mode grow whose spring [N/m] is given away.
-  [[nodiscard]] T gain_of(std::size_t i, T spring) const { return 1 / (1 - own_admittance[i] * spring / 2); }
+  [[nodiscard]] T gain_of(std::size_t i, T spring) const { return 1 / (1 - own_receptance[i] * spring / 2); }
 
  private:
   // ModalBank::give_away_spring.
   void give_away_spring(std::size_t i, T spring) {
     const T gain = gain_of(i, spring);
-    stiffness[i] = (std::max)(gain * (own_stiffness[i] - 2 * own_admittance[i] * spring), T(0));
+    stiffness[i] = (std::max)(gain * (own_stiffness[i] - 2 * own_receptance[i] * spring), T(0));
     loss[i] *= gain;
-    admittance[i] *= gain;
+    receptance[i] *= gain;
   }
 };
 

@@ -49,7 +49,7 @@ class NetworkReplay {
       std::ranges::copy(increment, change);
       for (const std::size_t p : places_.forced()) {
         const auto& place = places_[p];
-        add_push(place.modes(), place.force, modes_.admittance.data() + place.begin, place.acting,
+        add_push(place.modes(), place.force, modes_.receptance.data() + place.begin, place.acting,
                  change + place.begin);
       }
       advance(modes, modes_.stiffness.data(), modes_.loss.data(), change, displacement.data(), increment.data(),
@@ -65,9 +65,9 @@ class NetworkReplay {
 
  private:
   // Separate functions, because compilers respect __restrict on parameters.
-  static void add_push(std::size_t modes, T force, const T* __restrict admittance, const T* __restrict shapes,
+  static void add_push(std::size_t modes, T force, const T* __restrict receptance, const T* __restrict shapes,
                        T* __restrict change) {
-    for (std::size_t i = 0; i < modes; ++i) change[i] += admittance[i] * shapes[i] * force;
+    for (std::size_t i = 0; i < modes; ++i) change[i] += receptance[i] * shapes[i] * force;
   }
   static void advance(std::size_t modes, const T* __restrict stiffness, const T* __restrict loss,
                       const T* __restrict change, T* __restrict displacement, T* __restrict increment,

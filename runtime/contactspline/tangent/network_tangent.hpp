@@ -312,8 +312,8 @@ class NetworkTangent {
   [[nodiscard]] Number increment(std::size_t k) const {
     Number sum = connections_[k].free;
     for (const std::size_t l : listed_) {
-      const T admittance = model_.solver().admittance(k, l);
-      for (std::size_t p = 0; p < P; ++p) sum.slopes[p] -= admittance * connections_[l].force.slopes[p];
+      const T receptance = model_.solver().receptance(k, l);
+      for (std::size_t p = 0; p < P; ++p) sum.slopes[p] -= receptance * connections_[l].force.slopes[p];
     }
     return sum;
   }

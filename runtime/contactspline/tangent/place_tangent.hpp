@@ -40,7 +40,7 @@ struct PlaceTangent {
   const T* acting;                 ///< shapes with which forces act over the sample,
   const T* seen;                   ///< and those with which displacements are seen after it
   ShapeSlopes<T, P> acting_slopes;
-  std::vector<T> drive = {};  ///< admittance times shape of each mode
+  std::vector<T> drive = {};  ///< receptance times shape of each mode
   Number push = {};
   T load = 0;          ///< force on it over the sample [N]
   Number moved = {};   ///< slopes: of its increment without forces
@@ -48,9 +48,9 @@ struct PlaceTangent {
   bool is_asked = false, is_pushed = false;
   std::optional<std::size_t> mover = {};
 
-  void measure_drive(const std::vector<T>& admittance) {
+  void measure_drive(const std::vector<T>& receptance) {
     drive.resize(modes);
-    for (std::size_t i = 0; i < modes; ++i) drive[i] = admittance[begin + i] * acting[i];
+    for (std::size_t i = 0; i < modes; ++i) drive[i] = receptance[begin + i] * acting[i];
   }
 };
 

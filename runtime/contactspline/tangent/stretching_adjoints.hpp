@@ -100,11 +100,11 @@ struct TwoStepAdjoints {
   std::vector<FormBackwards<T>> forms;  ///< of all bodies
   std::vector<T> q, c, last_c;
   std::vector<T> of_q, of_c, of_last_c, of_d;
-  std::vector<T> of_stiffness, of_loss, of_admittance, of_decay, of_travel;
+  std::vector<T> of_stiffness, of_loss, of_receptance, of_decay, of_travel;
 
   TwoStepAdjoints(const NetworkPlan<T>& of_plan, double sample_rate_hz)
       : plan(of_plan), rate(sample_rate_hz), modes(of_plan, sample_rate_hz) {
-    for (auto* values : {&q, &c, &last_c, &of_q, &of_c, &of_last_c, &of_d, &of_stiffness, &of_loss, &of_admittance,
+    for (auto* values : {&q, &c, &last_c, &of_q, &of_c, &of_last_c, &of_d, &of_stiffness, &of_loss, &of_receptance,
                          &of_decay, &of_travel})
       values->resize(modes.size());
     for (std::size_t b = 0; b < plan.bodies().size(); ++b)
@@ -155,20 +155,20 @@ struct TwoStepAdjoints {
         arm.of_shapes[i] += arm.sign * adjoint * (q[m] - last_c[m]);
       }
   }
-  /// The adjoint of a force on an arm: c = ... + 2 admittance S f.
+  /// The adjoint of a force on an arm: c = ... + 2 receptance S f.
   [[nodiscard]] T pushed(const StretchingArm<T>& arm) const {
     T sum = 0;
     for (std::size_t i = 0; i < arm.modes; ++i)
-      sum += arm.shapes[i] * modes.admittance[arm.begin + i] * of_c[arm.begin + i];
+      sum += arm.shapes[i] * modes.receptance[arm.begin + i] * of_c[arm.begin + i];
     return 2 * arm.sign * sum;
   }
-  /// What a force did through admittances and shapes.
+  /// What a force did through receptances and shapes.
   void drive(const StretchingArm<T>& arm, T force) {
     for (std::size_t i = 0; i < arm.modes; ++i) {
       const std::size_t m = arm.begin + i;
       const T twice = 2 * arm.sign * force * of_c[m];
-      of_admittance[m] += arm.shapes[i] * twice;
-      arm.of_shapes[i] += modes.admittance[m] * twice;
+      of_receptance[m] += arm.shapes[i] * twice;
+      arm.of_shapes[i] += modes.receptance[m] * twice;
     }
   }
   /// The change of the increment of a per newton of b [m/N].
@@ -177,7 +177,7 @@ struct TwoStepAdjoints {
     for (const StretchingArm<T>& x : a)
       for (const StretchingArm<T>& y : b)
         for (std::size_t i = 0; x.begin == y.begin && i < (std::min)(x.modes, y.modes); ++i)
-          sum += 2 * x.sign * y.sign * x.shapes[i] * y.shapes[i] * modes.admittance[x.begin + i];
+          sum += 2 * x.sign * y.sign * x.shapes[i] * y.shapes[i] * modes.receptance[x.begin + i];
     return sum;
   }
 
@@ -207,9 +207,9 @@ struct TwoStepAdjoints {
       for (std::size_t i = 0; i < form.modes; ++i) {
         const std::size_t m = form.begin + i;
         const T by_motion = factor * form.stiffness() * stretched * of_d[m];
-        sum += factor * of_d[m] * modes.admittance[m] * form.gradient[i];
-        of_admittance[m] += by_motion * form.gradient[i];
-        form.adjoint[i] += by_motion * modes.admittance[m];
+        sum += factor * of_d[m] * modes.receptance[m] * form.gradient[i];
+        of_receptance[m] += by_motion * form.gradient[i];
+        form.adjoint[i] += by_motion * modes.receptance[m];
       }
       if (form.acts) form.sum.stiffness_j += double(stretched * sum);
       form.add_beside_gradient(form.stiffness() * sum, q, of_q);
@@ -227,7 +227,7 @@ struct TwoStepAdjoints {
     const Mode& numbers = plan.bodies()[body][mode];
     const T travel = static_cast<T>(travel_of(numbers, rate)), decay = static_cast<T>(numbers.decay_per_s);
     const T by_d = std::exchange(of_d[m], T(0)), by_q = std::exchange(of_q[m], T(0));
-    if (modes.admittance[m] == 0) return {0, 0};
+    if (modes.receptance[m] == 0) return {0, 0};
     of_travel[m] += (velocity + decay * displacement) * by_d;
     of_decay[m] += displacement * travel * by_d;
     of_loss[m] -= displacement / 2 * by_d;
@@ -242,11 +242,11 @@ struct TwoStepAdjoints {
       if (!modes.has_spring(form.body, form.form)) continue;
       const std::size_t m = form.begin + form.form.linear.mode;
       const T spring = modes.spring_of(form.form), gain = modes.gain_of(m, spring);
-      const T admittance = modes.own_admittance[m], rest = modes.own_stiffness[m] - 2 * admittance * spring;
+      const T receptance = modes.own_receptance[m], rest = modes.own_stiffness[m] - 2 * receptance * spring;
       const T by_gain =
-          gain * gain / 2 * (rest * of_stiffness[m] + modes.own_loss[m] * of_loss[m] + admittance * of_admittance[m]);
-      const double of_spring = double(admittance * (by_gain - 2 * gain * of_stiffness[m]));
-      of_admittance[m] = gain * of_admittance[m] + spring * (by_gain - 2 * gain * of_stiffness[m]);
+          gain * gain / 2 * (rest * of_stiffness[m] + modes.own_loss[m] * of_loss[m] + receptance * of_receptance[m]);
+      const double of_spring = double(receptance * (by_gain - 2 * gain * of_stiffness[m]));
+      of_receptance[m] = gain * of_receptance[m] + spring * (by_gain - 2 * gain * of_stiffness[m]);
       of_stiffness[m] *= gain;
       of_loss[m] *= gain;
       const double factor = form.form.linear.factor_per_m;
@@ -261,7 +261,7 @@ struct TwoStepAdjoints {
     const auto by = [&](const Mode& direction) {
       const ModeStep step = step_tangent(mode, direction, rate);
       return double(of_stiffness[m]) * step.stiffness + double(of_loss[m]) * step.loss +
-             double(of_admittance[m]) * step.admittance + double(of_decay[m]) * direction.decay_per_s +
+             double(of_receptance[m]) * step.receptance + double(of_decay[m]) * direction.decay_per_s +
              double(of_travel[m]) * travel_tangent(mode, direction, rate);
     };
     return {by({1, 0, 0}), by({0, 1, 0}), by({0, 0, 1})};

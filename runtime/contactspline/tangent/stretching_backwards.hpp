@@ -41,7 +41,7 @@ class StretchingBackwards {
         right_(solver.size()) {
     const std::size_t connections = plan.connections().size();
     for (std::size_t k = 0; k < connections; ++k)
-      for (std::size_t l = 0; l <= k; ++l) solver_.set_admittance(k, l, double(solver.admittance(k, l)));
+      for (std::size_t l = 0; l <= k; ++l) solver_.set_receptance(k, l, double(solver.receptance(k, l)));
     for (const auto& place : plan.places()) of_shapes_.emplace_back(place.shapes.size());
     for (std::size_t k = 0; k < connections; ++k) add_connection(k, solver[k]);
     for (FormBackwards<T>& form : at_.forms)
@@ -193,7 +193,7 @@ class StretchingBackwards {
     if (acting.empty()) return;
     for (std::size_t j = connections_.size(); j < forces_.size(); ++j)
       for (std::size_t l = 0; l <= j; ++l)
-        solver_.set_admittance(j, l, double(at_.coupling(forces_[j].arms, forces_[l].arms)));
+        solver_.set_receptance(j, l, double(at_.coupling(forces_[j].arms, forces_[l].arms)));
     equations_.factorise(solver_);
     for (std::size_t a = 0; a < acting.size(); ++a) right_[a] = forces_[acting[a]].adjoint;
     equations_.solve(right_.data());
@@ -203,7 +203,7 @@ class StretchingBackwards {
     }
     for (std::size_t j = 0; j < forces_.size(); ++j)  // springs and forms of no stiffness have an adjoint, too
       for (std::size_t a = 0; a < acting.size() && !(forces_[j].slopes.after > 0); ++a)
-        forces_[j].adjoint -= solver_.admittance(j, acting[a]) * right_[a];
+        forces_[j].adjoint -= solver_.receptance(j, acting[a]) * right_[a];
   }
 
   // What the adjoints of the forces do to compressions and numbers.
@@ -314,7 +314,7 @@ class StretchingBackwards {
   const Record& record_;
   const NetworkWeights<T>& weights_;
   TwoStepAdjoints<T> at_;
-  CoupledContacts<T> solver_;  // its admittances are those of the sample
+  CoupledContacts<T> solver_;  // its receptances are those of the sample
   ForceEquations<T> equations_;
   std::vector<T> right_;
   std::vector<std::vector<T>> of_shapes_;  // of each place

@@ -127,14 +127,14 @@ class StretchingBodyTangent {
       const ModeStep step = step_of(modes[i], sample_rate_hz);
       stiffness_.emplace_back(step.stiffness);
       loss_.emplace_back(step.loss);
-      admittance_.emplace_back(step.admittance);
+      receptance_.emplace_back(step.receptance);
       decay_.emplace_back(modes[i].decay_per_s);
       travel_.emplace_back(travel_of(modes[i], sample_rate_hz));
       for (std::size_t p = 0; p < P; ++p) {
         const ModeStep tangent = step_tangent(modes[i], directions[p][i], sample_rate_hz);
         stiffness_[i].slopes[p] = static_cast<T>(tangent.stiffness);
         loss_[i].slopes[p] = static_cast<T>(tangent.loss);
-        admittance_[i].slopes[p] = static_cast<T>(tangent.admittance);
+        receptance_[i].slopes[p] = static_cast<T>(tangent.receptance);
         decay_[i].slopes[p] = static_cast<T>(directions[p][i].decay_per_s);
         travel_[i].slopes[p] = static_cast<T>(travel_tangent(modes[i], directions[p][i], sample_rate_hz));
       }
@@ -151,7 +151,7 @@ class StretchingBodyTangent {
     free_[mode] = (velocity_m_per_s + decay_[mode] * displacement_m) * travel_[mode] -
                   Number(T(0.5)) * (loss_[mode] + stiffness_[mode]) * displacement_m;
     for (std::size_t i = 0; i < free_.size(); ++i)
-      if (admittance_[i].value == 0) displacement_[i] = free_[i] = Number();
+      if (receptance_[i].value == 0) displacement_[i] = free_[i] = Number();
     take();
     pull(Number(1), free_);
     for (std::size_t i = 0; i < free_.size(); ++i) {
@@ -167,7 +167,7 @@ class StretchingBodyTangent {
   /// Adds a force [N] by the shapes of its place, which may have slopes.
   void push(const Numbers& shapes, const Number& force) {
     const Number twice = Number(2) * force;
-    for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = moved_[i] + admittance_[i] * shapes[i] * twice;
+    for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = moved_[i] + receptance_[i] * shapes[i] * twice;
   }
   /// Change of displacement at a place over the last sample and this one [m], under the forces pushed so far.
   [[nodiscard]] Number increment(const Numbers& shapes) const {
@@ -203,11 +203,11 @@ class StretchingBodyTangent {
   // ModalBank::give_away_spring.
   void take_spring(FormTangent<T, P>& form) {
     const std::size_t i = form.linear_mode();
-    if (!can_give_away_spring(double(stiffness_[i].value), double(admittance_[i].value))) return form.stop();
-    const Number spring = admittance_[i] * form.spring();
+    if (!can_give_away_spring(double(stiffness_[i].value), double(receptance_[i].value))) return form.stop();
+    const Number spring = receptance_[i] * form.spring();
     const Number gain = Number(1) / (Number(1) - Number(T(0.5)) * spring);
     stiffness_[i] = gain * (stiffness_[i] - Number(2) * spring);
-    for (Numbers* constants : {&loss_, &admittance_}) (*constants)[i] = gain * (*constants)[i];
+    for (Numbers* constants : {&loss_, &receptance_}) (*constants)[i] = gain * (*constants)[i];
   }
   void take() {
     for (FormTangent<T, P>& form : forms_) form.take(displacement_);
@@ -217,12 +217,12 @@ class StretchingBodyTangent {
     for (const FormTangent<T, P>& form : forms_) {
       const Number force = factor * form.stiffness() * stretch(form);
       for (std::size_t i = 0; i < increments.size(); ++i)
-        increments[i] = increments[i] + admittance_[i] * form.gradient()[i] * force;
+        increments[i] = increments[i] + receptance_[i] * form.gradient()[i] * force;
     }
   }
 
   std::vector<FormTangent<T, P>> forms_;
-  Numbers stiffness_, loss_, admittance_, decay_, travel_;
+  Numbers stiffness_, loss_, receptance_, decay_, travel_;
   Numbers displacement_, change_, free_;  // q, c and d of TwoStepMotion
   Numbers moved_;                         // c of this sample
 };

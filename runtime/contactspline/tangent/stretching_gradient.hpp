@@ -100,7 +100,7 @@ class RecordedStretching {
       T force = detail::stretch_beside_gradient(form, bank.displacements().data());
       for (std::size_t i = 0; i < bank.size(); ++i) force += gradient[i] * bank.displacement(i);
       force *= static_cast<T>(form.stiffness_j);
-      for (std::size_t i = 0; i < bank.size(); ++i) changes[i] += force * gradient[i] * bank.admittance(i);
+      for (std::size_t i = 0; i < bank.size(); ++i) changes[i] += force * gradient[i] * bank.receptance(i);
     }
     for (std::size_t i = 0; i < bank.size(); ++i) {
       const std::size_t m = modes_.begins[body] + i;

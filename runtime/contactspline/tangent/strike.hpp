@@ -84,7 +84,7 @@ template <std::floating_point T>
 struct StrikeLines {
   ModeLines<T> keep, pull, push;  ///< push: of the force at the strike [m/N]
   ModeLines<T> strike, output;    ///< shapes
-  T admittance = 0;               ///< of the string at the strike [m/N]
+  T receptance = 0;               ///< of the string at the strike [m/N]
 
   StrikeLines() = default;
   explicit StrikeLines(std::size_t modes) : keep(modes), pull(modes), push(modes), strike(modes), output(modes) {}
@@ -95,7 +95,7 @@ struct StrikeLines {
 template <std::floating_point T>
 struct StrikeModes : StrikeLines<T> {
   using StrikeLines<T>::keep, StrikeLines<T>::pull, StrikeLines<T>::push, StrikeLines<T>::strike,
-      StrikeLines<T>::output, StrikeLines<T>::admittance;
+      StrikeLines<T>::output, StrikeLines<T>::receptance;
   T gain;  ///< of the damper
 
   StrikeModes(const HammerStrike<T>& of, double sample_rate_hz)
@@ -106,8 +106,8 @@ struct StrikeModes : StrikeLines<T> {
       output[i] = of.output[i];
       keep[i] = gain * static_cast<T>(2 - step.loss) - 1;
       pull[i] = gain * static_cast<T>(step.stiffness);
-      push[i] = gain * static_cast<T>(step.admittance) * strike[i];
-      admittance += push[i] * strike[i];
+      push[i] = gain * static_cast<T>(step.receptance) * strike[i];
+      receptance += push[i] * strike[i];
     }
   }
   [[nodiscard]] std::size_t padded_size() const { return keep.padded_size(); }

@@ -37,7 +37,7 @@ class StrikeBackwards {
         rate_(sample_rate_hz),
         dt_(static_cast<T>(1 / sample_rate_hz)),
         modes_(strike, sample_rate_hz),
-        admittance_(dt_ * dt_ / (2 * strike.controls.hammer_mass_kg) + modes_.admittance),
+        receptance_(dt_ * dt_ / (2 * strike.controls.hammer_mass_kg) + modes_.receptance),
         samples_(block),
         moved_(block * modes_.padded_size()),
         displaced_(moved_.size()),
@@ -111,7 +111,7 @@ class StrikeBackwards {
   [[nodiscard]] StrikeNumbers<T> gradient() {
     StrikeNumbers<T>& g = gradient_;
     const T mass = strike_.controls.hammer_mass_kg;
-    g.hammer_mass_kg = -dt_ / (mass * mass) * (velocity_per_force_ + dt_ / 2 * admittance_slope_);
+    g.hammer_mass_kg = -dt_ / (mass * mass) * (velocity_per_force_ + dt_ / 2 * receptance_slope_);
     g.velocity_m_per_s = velocity_;
     g.distance_m = -compression_;
     g.felt = felt_.gradient();
@@ -160,11 +160,11 @@ class StrikeBackwards {
   T contact(const ContactSample<T>& sample, T force) {
     const auto relaxed = felt_.relax(sample);
     compression_ += relaxed.after;
-    const auto step = felt_.linearise(sample, admittance_);
-    const T change = (force - admittance_ * compression_) / step.slopes.gain;
+    const auto step = felt_.linearise(sample, receptance_);
+    const T change = (force - receptance_ * compression_) / step.slopes.gain;
     felt_.push(sample, step, change);
     const T increment = compression_ + step.slopes.after * change;
-    admittance_slope_ -= sample.force * increment;
+    receptance_slope_ -= sample.force * increment;
     compression_ += step.slopes.moved() * change + relaxed.before;
     return increment;
   }
@@ -175,15 +175,15 @@ class StrikeBackwards {
     g.strike = g.output = ModeShapes<T>(strike_.modes.size());
     for (std::size_t i = 0; i < strike_.modes.size(); ++i) {
       const T shape = modes_.strike[i];
-      const T push = adjoints_.push[i] + shape * admittance_slope_;  // the string's admittance is push times shape
+      const T push = adjoints_.push[i] + shape * receptance_slope_;  // the string's receptance is push times shape
       const auto by = [&](const Mode& direction) {
         const ModeStep step = step_tangent(strike_.modes[i], direction, rate_);
         return double(gain) * (double(adjoints_.pull[i]) * step.stiffness - double(adjoints_.keep[i]) * step.loss +
-                               double(push * shape) * step.admittance);
+                               double(push * shape) * step.receptance);
       };
       g.modes.push_back({by({1, 0, 0}), by({0, 1, 0}), by({0, 0, 1})});
-      const T admittance = gain * static_cast<T>(step_of(strike_.modes[i], rate_).admittance);
-      g.strike[i] = adjoints_.strike[i] + admittance * push + modes_.push[i] * admittance_slope_;
+      const T receptance = gain * static_cast<T>(step_of(strike_.modes[i], rate_).receptance);
+      g.strike[i] = adjoints_.strike[i] + receptance * push + modes_.push[i] * receptance_slope_;
       g.output[i] = adjoints_.output[i];
     }
   }
@@ -192,13 +192,13 @@ class StrikeBackwards {
   double rate_;
   T dt_;
   StrikeModes<T> modes_;
-  T admittance_;
+  T receptance_;
   std::vector<StrikeSample<T>> samples_;
   std::vector<T> moved_, displaced_;  // of each sample and mode
   ModeAdjoints adjoints_;
   ContactBackwards<T> felt_;
   T compression_ = 0, velocity_ = 0;  // adjoints of the state of the hammer
-  T admittance_slope_ = 0, velocity_per_force_ = 0;
+  T receptance_slope_ = 0, velocity_per_force_ = 0;
   StrikeNumbers<T> gradient_;
 };
 

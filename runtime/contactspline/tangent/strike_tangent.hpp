@@ -40,13 +40,13 @@ class StrikeTangent {
                                                                    &StrikeNumbers<T>::hammer_mass_kg);
     compression_ = Number(0) - detail::with_slopes(strike.distance_m, directions, &StrikeNumbers<T>::distance_m);
     velocity_ = detail::with_slopes(strike.velocity_m_per_s, directions, &StrikeNumbers<T>::velocity_m_per_s);
-    Number string(modes_.admittance);
+    Number string(modes_.receptance);
     for (std::size_t p = 0; p < P; ++p) {
       tangents_[p] = Tangent(strike, modes_, sample_rate_hz, directions[p]);
-      string.slopes[p] = tangents_[p].admittance;
+      string.slopes[p] = tangents_[p].receptance;
       varies_ = varies_ || !directions[p].modes.empty() || directions[p].output.size() > 0;
     }
-    admittance_ = Number(time_step_ / 2) * velocity_per_force_ + string;
+    receptance_ = Number(time_step_ / 2) * velocity_per_force_ + string;
   }
 
   /// Advances one sample and returns the output.
@@ -87,7 +87,7 @@ class StrikeTangent {
   struct Tangent : detail::StrikeLines<T> {
     using Constants = detail::StrikeLines<T>;
     using Constants::keep, Constants::pull, Constants::push, Constants::strike, Constants::output,
-        Constants::admittance;
+        Constants::receptance;
     Lines displacement, increment;
 
     Tangent() = default;
@@ -97,14 +97,14 @@ class StrikeTangent {
       for (std::size_t i = 0; i < of.modes.size(); ++i) {
         if (direction.output.size() > 0) output[i] = direction.output[i];
         if (direction.strike.size() > 0) strike[i] = direction.strike[i];
-        push[i] = modes.gain * static_cast<T>(detail::step_of(of.modes[i], rate).admittance) * strike[i];
+        push[i] = modes.gain * static_cast<T>(detail::step_of(of.modes[i], rate).receptance) * strike[i];
         if (!direction.modes.empty()) {
           const detail::ModeStep step = detail::step_tangent(of.modes[i], direction.modes[i], rate);
           keep[i] = -modes.gain * static_cast<T>(step.loss);
           pull[i] = modes.gain * static_cast<T>(step.stiffness);
-          push[i] += modes.gain * static_cast<T>(step.admittance) * modes.strike[i];
+          push[i] += modes.gain * static_cast<T>(step.receptance) * modes.strike[i];
         }
-        admittance += push[i] * modes.strike[i] + modes.push[i] * strike[i];
+        receptance += push[i] * modes.strike[i] + modes.push[i] * strike[i];
       }
     }
   };
@@ -135,7 +135,7 @@ class StrikeTangent {
     compression_.value = y;
     const Number free_increment = Number(time_step_) * velocity_ - increment;  // of which the slopes count
     const auto step =
-        contact_.advance(controls_.felt, compression_, free_increment, admittance_, force, model_.compression());
+        contact_.advance(controls_.felt, compression_, free_increment, receptance_, force, model_.compression());
     compression_ = step.compression;
     force_ = step.force;
     velocity_ = velocity_ - velocity_per_force_ * force_;
@@ -197,7 +197,7 @@ class StrikeTangent {
   Lines change_, displacement_, increment_;  // of the modes: over the last sample, after it, over the next if free
   std::array<Tangent, P> tangents_;
   bool varies_ = false;
-  Number velocity_per_force_, admittance_, compression_, velocity_, force_;
+  Number velocity_per_force_, receptance_, compression_, velocity_, force_;
 };
 
 }  // namespace contactspline

@@ -15,13 +15,13 @@
 
 namespace contactspline::detail {
 
-/// The admittances of a network's connections and places [m/N]: in a sample, one newton moves them so far. The
-/// admittance of two connections is the sum over the modes of both bodies' shapes times xi_n
+/// The receptances of a network's connections and places [m/N]: in a sample, one newton moves them so far. The
+/// receptance of two connections is the sum over the modes of both bodies' shapes times xi_n
 /// (docs/how-it-works/several-contacts.md). Where forces act on two samples, it is twice as large.
 template <std::floating_point T>
-class NetworkAdmittances {
+class NetworkReceptances {
  public:
-  explicit NetworkAdmittances(NetworkParts<T>& parts)
+  explicit NetworkReceptances(NetworkParts<T>& parts)
       : of_connections_(parts.connections.size() * parts.connections.size()),
         of_places_(parts.places.size() * parts.places.size()) {
     for (std::size_t b = 0; b < parts.bodies.size(); ++b) {
@@ -29,7 +29,7 @@ class NetworkAdmittances {
       body.shapes.assign(body.connections.size(), ModeShapes<double>(body.bank.size()));
       body.pushed = ModeShapes<double>(body.bank.size());
       body.pushed_by_place = ModeShapes<T>(body.bank.size());
-      body.admittances.resize(body.connections.size() * (body.connections.size() + 1) / 2);
+      body.receptances.resize(body.connections.size() * (body.connections.size() + 1) / 2);
       measure(parts, b);
     }
   }
@@ -60,52 +60,52 @@ class NetworkAdmittances {
     const auto all = [](std::size_t) { return true; };
     measure_pairs(body, all);
     measure_places(parts, b, all);
-    body.total_admittance =
-        detail::sum_of<double>(body.bank.size(), [&](std::size_t n) { return double(body.bank.admittance(n)); });
+    body.total_receptance =
+        detail::sum_of<double>(body.bank.size(), [&](std::size_t n) { return double(body.bank.receptance(n)); });
   }
 
-  /// Measures the roots of the connections' admittances without damping, the largest ones where a place moves.
+  /// Measures the roots of the connections' receptances without damping, the largest ones where a place moves.
   void measure_roots(NetworkParts<T>& parts) {
-    for (NetworkConnection<T>& c : parts.connections) c.own_admittance = 0;
+    for (NetworkConnection<T>& c : parts.connections) c.own_receptance = 0;
     for (std::size_t b = 0; b < parts.bodies.size(); ++b) {
       const NetworkBody<T>& body = parts.bodies[b];
       std::size_t own = 0;  // on the diagonal of its triangle
       for (std::size_t k = 0; k < body.connections.size(); ++k) {
         NetworkConnection<T>& c = parts.connections[body.connections[k]];
         const double max = double(parts.is_on(c.first, b) ? c.first_max : c.second_max);
-        c.own_admittance += parts.samples_of_step *
-                            (moves_on(parts, c, b) ? body.total_admittance * max * max : body.admittances[own]);
+        c.own_receptance += parts.samples_of_step *
+                            (moves_on(parts, c, b) ? body.total_receptance * max * max : body.receptances[own]);
         own += k + 2;
       }
     }
     largest_root_ = 0;
     for (NetworkConnection<T>& c : parts.connections) {
-      c.root_admittance = std::sqrt(static_cast<T>((std::max)(c.own_admittance, kMinAdmittance)));
-      largest_root_ = (std::max)(largest_root_, c.root_admittance);
+      c.root_receptance = std::sqrt(static_cast<T>((std::max)(c.own_receptance, kMinReceptance)));
+      largest_root_ = (std::max)(largest_root_, c.root_receptance);
     }
   }
 
-  /// Gives the solver the admittances of all pairs of connections, with the damping of the bodies.
+  /// Gives the solver the receptances of all pairs of connections, with the damping of the bodies.
   void couple(NetworkParts<T>& parts, CoupledContacts<T>& solver) {
     const std::size_t n = parts.connections.size();
     std::ranges::fill(of_connections_, 0.0);
     for (NetworkBody<T>& body : parts.bodies) {
       body.damping_gain = 1 / (1 + body.damping);
-      const double* admittance = body.admittances.data();
+      const double* receptance = body.receptances.data();
       for (const std::size_t k : body.connections)
         for (const std::size_t l : body.connections) {
           if (l > k) break;
-          of_connections_[k * n + l] += parts.samples_of_step * double(body.damping_gain) * *admittance++;
+          of_connections_[k * n + l] += parts.samples_of_step * double(body.damping_gain) * *receptance++;
         }
     }
     for (std::size_t k = 0; k < n; ++k) {
       double& own = of_connections_[k * n + k];
-      own = (std::max)(own, kMinAdmittance);
-      for (std::size_t l = 0; l <= k; ++l) solver.set_admittance(k, l, of_connections_[k * n + l]);
+      own = (std::max)(own, kMinReceptance);
+      for (std::size_t l = 0; l <= k; ++l) solver.set_receptance(k, l, of_connections_[k * n + l]);
     }
   }
 
-  /// Admittance between two places of one body, with its damping.
+  /// Receptance between two places of one body, with its damping.
   [[nodiscard]] T mutual(const NetworkParts<T>& parts, std::size_t p, std::size_t q) const {
     return parts.body_of(p).damping_gain * of_places_[p * parts.places.size() + q];
   }
@@ -114,8 +114,8 @@ class NetworkAdmittances {
   [[nodiscard]] T largest_root() const { return largest_root_; }
 
  private:
-  // Where nothing moves the admittance is 0; a contact needs one > 0.
-  static constexpr double kMinAdmittance = 1e-18;
+  // Where nothing moves the receptance is 0; a contact needs one > 0.
+  static constexpr double kMinReceptance = 1e-18;
 
   // Measures what concerns places of a body.
   template <typename Concerns>
@@ -132,7 +132,7 @@ class NetworkAdmittances {
     measure_places(parts, b, concerns_place);
   }
 
-  // The admittances of the pairs of a body's connections that one of `concerns` is part of. A pair is computed in one
+  // The receptances of the pairs of a body's connections that one of `concerns` is part of. A pair is computed in one
   // order only, so that it has the same digits whichever of the two has moved.
   template <typename Concerns>
   static void measure_pairs(NetworkBody<T>& body, Concerns concerns) {
@@ -141,8 +141,8 @@ class NetworkAdmittances {
     for (std::size_t i = 0; i < body.connections.size(); ++i) {
       is_concerned = is_concerned || concerns(i);
       if (!is_concerned) continue;
-      for (std::size_t n = 0; n < modes; ++n) body.pushed[n] = double(body.bank.admittance(n)) * body.shapes[i][n];
-      double* row = body.admittances.data() + i * (i + 1) / 2;  // of the triangle
+      for (std::size_t n = 0; n < modes; ++n) body.pushed[n] = double(body.bank.receptance(n)) * body.shapes[i][n];
+      double* row = body.receptances.data() + i * (i + 1) / 2;  // of the triangle
       for (std::size_t j = 0; j <= i; ++j)
         if (concerns(i) || concerns(j))
           row[j] = inner_product<double>(modes, body.pushed.data(), body.shapes[j].data());
@@ -159,7 +159,7 @@ class NetworkAdmittances {
     for (const std::size_t p : body.places) {
       is_concerned = is_concerned || concerns(p);
       if (!is_concerned) continue;
-      for (std::size_t n = 0; n < modes; ++n) pushed[n] = body.bank.admittance(n) * parts.places[p].shapes[n];
+      for (std::size_t n = 0; n < modes; ++n) pushed[n] = body.bank.receptance(n) * parts.places[p].shapes[n];
       parts.places[p].travel_per_force = sum_of<T>(modes, [&](std::size_t n) { return std::abs(pushed[n]); });
       for (const std::size_t q : body.places) {
         if (q > p) break;
@@ -174,8 +174,8 @@ class NetworkAdmittances {
   static void measure_bounds(NetworkParts<T>& parts, std::size_t b) {
     NetworkBody<T>& body = parts.bodies[b];
     body.max_shape = 0;
-    body.total_admittance = 0;
-    for (std::size_t n = 0; n < body.bank.size(); ++n) body.total_admittance += double(body.bank.admittance(n));
+    body.total_receptance = 0;
+    for (std::size_t n = 0; n < body.bank.size(); ++n) body.total_receptance += double(body.bank.receptance(n));
     for (std::size_t i = 0; i < body.connections.size(); ++i) {
       NetworkConnection<T>& c = parts.connections[body.connections[i]];
       T& max = parts.is_on(c.first, b) ? c.first_max : c.second_max;
@@ -186,7 +186,7 @@ class NetworkAdmittances {
     }
   }
 
-  // Shapes of a connection on a body: those of its first place minus those of its second. The admittance of two
+  // Shapes of a connection on a body: those of its first place minus those of its second. The receptance of two
   // places that move almost together needs the difference before the sum over the modes, or it loses its digits.
   static void write_shapes(const NetworkParts<T>& parts, const NetworkConnection<T>& c, std::size_t body,
                            ModeShapes<double>& shapes) {

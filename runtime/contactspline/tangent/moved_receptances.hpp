@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The admittances of a network whose places move, in any of its samples.
+// The receptances of a network whose places move, in any of its samples.
 #pragma once
 
 #include "contactspline/step/cpp20.hpp"
@@ -9,18 +9,18 @@
 #include <utility>
 
 #include "contactspline/network/coupled_contacts.hpp"
-#include "contactspline/network/network_admittances.hpp"
 #include "contactspline/network/network_parts.hpp"
 #include "contactspline/network/network_plan.hpp"
+#include "contactspline/network/network_receptances.hpp"
 
 namespace contactspline::detail {
 
-/// Computes the admittances between connections as ContactNetwork does, for given shapes of the places that move.
+/// Computes the receptances between connections as ContactNetwork does, for given shapes of the places that move.
 template <std::floating_point T>
-class MovedAdmittances {
+class MovedReceptances {
  public:
-  MovedAdmittances(const NetworkPlan<T>& plan, double sample_rate_hz)
-      : parts_(plan, sample_rate_hz), admittances_(parts_), solver_(plan.connections().size(), sample_rate_hz) {}
+  MovedReceptances(const NetworkPlan<T>& plan, double sample_rate_hz)
+      : parts_(plan, sample_rate_hz), receptances_(parts_), solver_(plan.connections().size(), sample_rate_hz) {}
 
   /// shapes: with which forces act at a place.
   void move(std::size_t place, const T* shapes) {
@@ -28,18 +28,18 @@ class MovedAdmittances {
     for (std::size_t i = 0; i < of_place.size(); ++i) of_place[i] = shapes[i];
     parts_.movers[*parts_.places[place].mover].is_new = is_old_ = true;
   }
-  /// Its admittances are those of the shapes; nothing else of it counts.
+  /// Its receptances are those of the shapes; nothing else of it counts.
   [[nodiscard]] const CoupledContacts<T>& solver() {
     if (std::exchange(is_old_, false)) {
-      admittances_.measure_moved(parts_);
-      admittances_.couple(parts_, solver_);
+      receptances_.measure_moved(parts_);
+      receptances_.couple(parts_, solver_);
     }
     return solver_;
   }
 
  private:
   NetworkParts<T> parts_;
-  NetworkAdmittances<T> admittances_;
+  NetworkReceptances<T> receptances_;
   CoupledContacts<T> solver_;
   bool is_old_ = true;
 };
