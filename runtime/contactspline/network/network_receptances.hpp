@@ -85,24 +85,30 @@ class NetworkReceptances {
     }
   }
 
-  /// Gives the solver the receptances of all pairs of connections, with the damping of the bodies.
+  /// Gives the solver the receptances of all pairs of connections that share a body, with the damping of the bodies.
+  /// Those of other pairs are 0.
   void couple(NetworkParts<T>& parts, CoupledContacts<T>& solver) {
     const std::size_t n = parts.connections.size();
-    std::ranges::fill(of_connections_, 0.0);
-    for (NetworkBody<T>& body : parts.bodies) {
-      body.damping_gain = 1 / (1 + body.damping);
-      const double* receptance = body.receptances.data();
+    const auto each_pair = [&](const NetworkBody<T>& body, auto use) {
       for (const std::size_t k : body.connections)
         for (const std::size_t l : body.connections) {
           if (l > k) break;
-          of_connections_[k * n + l] += parts.samples_of_step * double(body.damping_gain) * *receptance++;
+          use(k, l, of_connections_[k * n + l]);
         }
+    };
+    for (const NetworkBody<T>& body : parts.bodies)
+      each_pair(body, [](std::size_t, std::size_t, double& sum) { sum = 0; });
+    for (NetworkBody<T>& body : parts.bodies) {
+      body.damping_gain = 1 / (1 + body.damping);
+      const double* receptance = body.receptances.data();
+      each_pair(body, [&](std::size_t, std::size_t, double& sum) {
+        sum += parts.samples_of_step * double(body.damping_gain) * *receptance++;
+      });
     }
-    for (std::size_t k = 0; k < n; ++k) {
-      double& own = of_connections_[k * n + k];
-      own = (std::max)(own, kMinReceptance);
-      for (std::size_t l = 0; l <= k; ++l) solver.set_receptance(k, l, of_connections_[k * n + l]);
-    }
+    for (const NetworkBody<T>& body : parts.bodies)
+      each_pair(body, [&](std::size_t k, std::size_t l, double sum) {
+        solver.set_receptance(k, l, k == l ? (std::max)(sum, kMinReceptance) : sum);
+      });
   }
 
   /// Receptance between two places of one body, with its damping.
