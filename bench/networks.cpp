@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
 // networks [ROUNDS [SCORE]]: time and solver steps of each shipped instrument file over its score, on one core, as a
-// table. Notes of all keys play on one voice. Each block of 64 samples is timed ROUNDS times, by default 5; the
-// shortest counts, because other programs interrupt. The 99.9th percentile of the blocks is divided by the median of
-// all blocks, and by that of the blocks in which a contact has a force. SCORE: only those whose name contains it.
-// bounded: samples in which the steps did not suffice.
+// table. Notes of all keys play on one voice. Each block of 64 samples is timed ROUNDS times, by default 5, in time
+// of the processor; the shortest counts, because other programs interrupt. The 99.9th percentile of the blocks is
+// divided by the median of all blocks, and by that of the blocks in which a contact has a force. SCORE: only those
+// whose name contains it, or the path of a score's .json file. bounded: samples in which the steps did not suffice.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -21,6 +22,7 @@
 #include "generator/player/score_reader.hpp"
 #include "generator/player/voice_tracks.hpp"
 #include "generator/support/embedded_files.hpp"
+#include "generator/support/input_file.hpp"
 #include "tests/support/one_voice.hpp"
 
 namespace contactspline::bench {
@@ -91,15 +93,14 @@ struct Measurement {
 
 template <typename T>
 void measure(const Voice& voice, double duration_s, int rounds, Measurement& total) {
-  using Clock = std::chrono::steady_clock;
   const std::size_t blocks = static_cast<std::size_t>(duration_s * kRate) / kBlock, samples = blocks * kBlock;
   const auto gestures = gestures_of(voice, samples);
   std::vector<double> shortest(blocks, std::numeric_limits<double>::infinity());
   for (int round = 0; round < rounds; ++round) {
-    Clock::time_point begin;
-    const auto start = [&] { begin = Clock::now(); };
+    std::chrono::nanoseconds begin{};
+    const auto start = [&] { begin = ThreadClock::now(); };
     const auto stop = [&](std::size_t block) {
-      const auto end = Clock::now();
+      const auto end = ThreadClock::now();
       shortest[block] = std::min(shortest[block], std::chrono::duration<double, std::nano>(end - begin).count());
       start();
     };
@@ -149,19 +150,29 @@ void report(const Score& score, const std::string& name, const char* precision, 
              m.steps.rbegin()->first, mean_of(m.forces), m.forces.rbegin()->first, m.bounded);
 }
 
+void report_both(const Score& score, const std::string& name, int rounds) {
+  report<double>(score, name, "double", rounds);
+  report<float>(score, name, "float", rounds);
+}
+
+void report_file(int rounds, const std::filesystem::path& path) {
+  const auto read = [&](const std::string& named) { return read_input(path.parent_path() / named); };
+  report_both(parse_score(read_input(path), path.string(), read), path.stem().string(), rounds);
+}
+
 void report_all(int rounds, const std::string& only) {
   fmt::print(
       "| score | precision | times real time | ns per sample | block, 99.9 % / median | / median in contact | "
       "steps, mean | max | forces, mean | max | bounded |\n|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n");
   flush_denormals();
+  if (is_path(only)) return report_file(rounds, only);
   for (const EmbeddedFile& file : embedded_files(Shipped::kScores)) {
     if (file.name.find(".json") == file.name.npos || file.content.find("\"instrument\": \"") == file.content.npos)
       continue;
     const Score score = parse_score(file.content, file.name, shipped_file);
     if (score.model != Model::kFile || file.name.find(only) == file.name.npos) continue;
     const std::string name(file.name.substr(0, file.name.find('.')));
-    report<double>(score, name, "double", rounds);
-    report<float>(score, name, "float", rounds);
+    report_both(score, name, rounds);
   }
 }
 
