@@ -460,8 +460,10 @@ void add_render(CLI::App& app) {
       "  contactspline render my_song.mid --instrument my_zither.json -o zither.wav\n"
       "  contactspline render my_song.mid --instrument 1=piano,2=cello,10=kit\n"
       "The scores that ship: contactspline list scores");
-  command->callback([command, options] {
-    if (!command->get_subcommands().empty()) return;
+  // As in 0.1.0, `render hammer-string --score SCORE`: the same, not listed.
+  const CLI::App* hammers = command->add_subcommand("hammer-string")->group("")->fallthrough();
+  command->callback([command, hammers, options] {
+    if (const auto given = command->get_subcommands(); !given.empty() && given.front() != hammers) return;
     if (options->scores.empty()) throw CLI::RequiredError("--score");
     render_scores(*options);
   });

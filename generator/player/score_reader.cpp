@@ -247,26 +247,31 @@ std::vector<std::string> event_keys(const Keyboard& keyboard) {
   return keys;
 }
 
-// What scores named before all that they name was an instrument, and what plays them now.
-void refuse_old(const JsonObject& score) {
+// Scores of 0.1.0 name the kind "hammer-string" beside a `keyboard`, which plays; other kinds of then are instruments
+// now.
+void check_old(const JsonObject& score) {
   constexpr std::pair<std::string_view, std::string_view> kOld[] = {
       {"hammer-string", "piano"}, {"slide-string", "lap_steel"}, {"fret-string", "fret_guitar"}};
-  const auto text = [&](const char* key) { return score.has_text(key) ? score.text(key, "") : ""; };
-  const std::string name = text("instrument"), keyboard = text("keyboard");
+  const std::string name = score.has_text("instrument") ? score.text("instrument", "") : "";
+  if (score.has("keyboard") && name == kOld[0].first) return;
   for (const auto& [old, now] : kOld)
     if (name == old)
       score.fail("instrument", fmt::format("'{}' is no instrument", old),
-                 fmt::format("the name or the file of an instrument or a keyboard, such as \"{}\"{}",
-                             keyboard.empty() ? now : shown(keyboard),
-                             score.has("keyboard") ? ", in place of instrument and keyboard" : ""));
+                 fmt::format("the name or the file of an instrument or a keyboard, such as \"{}\"", now));
+  if (score.has("keyboard")) score.fail("keyboard", "has no place here", "no such key: it is the instrument");
 }
 
 JsonObject parse_score_object(std::string_view text, std::string_view file) {
   if (const auto keys = json_keys(text, file, "score"); !keys.empty())
-    refuse_old(parse_json(text, file, "score", keys));
+    check_old(parse_json(text, file, "score", keys));
   return parse_json(text, file, "score",
                     {"instrument", "description", "duration_s", "level_db", "oversample", "tuning", "keymap", "a4_hz",
-                     "voices", "events"});
+                     "voices", "events", "keyboard"});
+}
+
+// The key that names what plays.
+const char* key_of_player(const JsonObject& score) {
+  return score.has("keyboard") ? "keyboard" : "instrument";
 }
 
 // Voices that the same key plays have strings of their own.
@@ -355,7 +360,7 @@ Score parse_score(std::string_view text, std::string_view file, const ReadFile& 
       score.fail("instrument", fmt::format("'{}' is not what --instrument names", shown(name)), played->name);
     return parse_score_on(score, file, *played, tuning);
   }
-  const NamedText named = read_named(score, "instrument", kPlayers, read);
+  const NamedText named = read_named(score, key_of_player(score), kPlayers, read);
   if (named.kind == Shipped::kKeyboards) return parse_keyboard_score(score, file, named, read, tuning);
   return parse_score_on(score, file, parse_instrument(named.text, named.file, reader_beside(named, read)), tuning);
 }

@@ -183,6 +183,22 @@ TEST(ScoreKeyboard, RingsInSympathyAndByHalfPedal) {
   EXPECT_TRUE(within(10 * std::log10(half / held), 10 * std::log10((std::exp(-6.0) - std::exp(-10.8)) / 4.8), 2));
 }
 
+// A score of 0.1.0 names the kind "hammer-string" and its keyboard.
+TEST(ScoreKeyboard, PlaysScoresOfTheFirstVersion) {
+  const Sandbox box;
+  const std::string rest = R"("duration_s": 0.1, "events": [ { "time_s": 0, "key": 60, "speed_m_per_s": 2 } ] })";
+  write_file(box / "now.json", R"({ "instrument": "piano", )" + rest);
+  write_file(box / "before.json", R"({ "instrument": "hammer-string", "keyboard": "piano", )" + rest);
+  const auto sound = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"-o", "sound.wav", "--no-figure"});
+    EXPECT_EQ(run({.arguments = arguments, .folder = box.path()}).exit_code, 0);
+    return read_file(box / "sound.wav");
+  };
+  const std::string now = sound({"render", "now.json"});
+  EXPECT_EQ(sound({"render", "before.json"}), now);
+  EXPECT_EQ(sound({"render", "hammer-string", "--score", "before.json"}), now);
+}
+
 // Beside the body there are no pedals but the sustain pedal of MIDI files, which holds notes.
 TEST(ScoreKeyboard, SaysWhichPedalsAreLeftOut) {
   const Sandbox box;
