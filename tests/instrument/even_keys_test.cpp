@@ -88,7 +88,7 @@ INSTANTIATE_TEST_SUITE_P(Shipped, EvenKeys,
                                            Bounds{"fret_guitar", 2, 5, 1.4}, Bounds{"lap_steel", 1, 11, 1.1},
                                            Bounds{"slap_bass", 2, 6, 1.3}, Bounds{"dulcimer", 4.5, 3, 3.5},
                                            Bounds{"classical_guitar", 4.5, 5, 3}, Bounds{"violin", 6, 8, 0},
-                                           Bounds{"cello", 6, 14, 0}),
+                                           Bounds{"cello", 6, 14, 0}, Bounds{"steel_guitar", 3.5, 5, 3}),
                          [](const auto& tested) { return std::string(tested.param.name); });
 
 }  // namespace
