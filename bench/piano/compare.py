@@ -53,9 +53,9 @@ def fetch(folder):
 def render(program, keyboard, key, speed, seconds, base):
     """Writes base.wav (and the score, base.json)."""
     with open(base + '.json', 'w') as f:
-        json.dump({'instrument': 'hammer-string', 'duration_s': seconds, 'keyboard': keyboard,
+        json.dump({'instrument': keyboard, 'duration_s': seconds,
                    'events': [{'time_s': 0, 'key': key, 'speed_m_per_s': speed, 'hold_s': seconds}]}, f)
-    subprocess.run([program, 'render', 'hammer-string', '--score', base + '.json', '-o', base + '.wav', '--no-figure',
+    subprocess.run([program, 'render', base + '.json', '-o', base + '.wav', '--no-figure',
                     '--gain', '20'], check=True, capture_output=True)
 
 
