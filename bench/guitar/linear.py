@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Notes of the classical guitar by Laplace transforms, which take a tenth of the time of rendered ones: its file is linear.
 
-All strings push the top at the saddle. With Z the sum of their impedances there, Y the receptance of the body and G the ratio of a
-string's receptance from finger to saddle over that at the saddle, a finger's force F moves the saddle by Y G F/(1 + Y Z).
+All strings push the top at the saddle. With Z the sum of their impedances there, Y the mobility of the body and G the ratio of a
+string's mobility from finger to saddle over that at the saddle, a finger's force F moves the saddle by Y G F/(1 + Y Z).
 The sum is taken on the line Re s = DECAY over the time, so that what sounds longer wraps around 80 dB softer.
 """
 import json
@@ -12,14 +12,14 @@ import numpy as np
 
 from notes import RATE
 
-AT, OVER = 0.05, 0.004  # s: when the pluck begins, how long it rises
-DECAY, TOP = 9, 12500  # TOP: Hz, above which nothing is computed
+BEGIN_S, RISE_S = 0.05, 0.004  # of the pluck
+DECAY, TOP_HZ = 9, 12500  # nothing is computed above
 
 
 @lru_cache(8)
 def line(rate, count):
     f = np.fft.rfftfreq(count, 1 / rate)
-    return DECAY * rate / count + 2j * np.pi * f[f < TOP]
+    return DECAY * rate / count + 2j * np.pi * f[f < TOP_HZ]
 
 
 @lru_cache(256)
@@ -42,23 +42,23 @@ def string_at_saddle(body, saddle_m, plucked_m, semitones, rate, count):
 
 @lru_cache(8)
 def body_at_saddle(text, rate, count):
-    """Receptance at the saddle, and what is heard of a force there."""
+    """Mobility at the saddle, and what is heard of a force there."""
     modes, saddle, heard, air, stiffness, resistance = json.loads(text)
     s = line(rate, count)
-    receptance, radiated = np.zeros(len(s), complex), np.zeros(len(s), complex)
+    mobility, radiated = np.zeros(len(s), complex), np.zeros(len(s), complex)
     for i, (mode, shape, outside) in enumerate(zip(modes, saddle, heard)):
         denominator = mode["mass_kg"] * (s * s + 2 * mode["decay_per_s"] * s + (2 * np.pi * mode["frequency_hz"]) ** 2)
         if i == 0:  # the one on the spring of the air
             of_air = air * s * s + resistance * s + stiffness
             denominator += stiffness - stiffness ** 2 / of_air
             outside = outside - stiffness / of_air
-        receptance += shape * shape * s / denominator
+        mobility += shape * shape * s / denominator
         radiated += outside * shape * s / denominator
-    return receptance, radiated
+    return mobility, radiated
 
 
 def note(file, key, seconds, rate=RATE):
-    """The sound of the output `body` at `rate` [Hz], up to one factor, or a second longer. file: of make.py, some strings or all."""
+    """The sound of the output `body` at `rate` [Hz], times a constant, for `seconds` or up to twice as long. file: of make.py, some strings or all."""
     count = 1 << int(np.ceil(np.log2((seconds + 0.1) * rate)))
     bodies, places, springs = ({part["name"]: part for part in file[name]} for name in ("bodies", "places", "springs"))
     row = next(row for row in file["keys"] if row["first"] <= key <= row["last"])
@@ -74,8 +74,8 @@ def note(file, key, seconds, rate=RATE):
     force = next(control["release_n"] for control in file["controls"] if control.get("force_n") == f"{row['string']}_plucked")
     parts = [bodies["top"]["modes"], places["saddle"]["shapes"], places["heard"]["shapes"], bodies["air"]["mass_kg"],
              springs["cavity"]["stiffness_n_per_m"], springs["hole"]["resistance_n_s_per_m"]]
-    receptance, radiated = body_at_saddle(json.dumps(parts), rate, count)
+    mobility, radiated = body_at_saddle(json.dumps(parts), rate, count)
     s = line(rate, count)
-    pluck = force * np.exp(-s * AT) * (1 - np.exp(-s * OVER) * (1 + s * OVER)) / (s * s * OVER)
-    sound = np.fft.irfft(radiated * over * pluck / (1 + receptance * impedance) * rate, count)
+    pluck = force * np.exp(-s * BEGIN_S) * (1 - np.exp(-s * RISE_S) * (1 + s * RISE_S)) / (s * s * RISE_S)
+    sound = np.fft.irfft(radiated * over * pluck / (1 + mobility * impedance) * rate, count)
     return sound * np.exp(DECAY * np.arange(count) / count)

@@ -77,6 +77,13 @@ def neighbours(program, keyboard='piano'):
             print(f'layer {layer}: median {np.median(steps):.1f} dB, worst {steps.max():.1f} dB, from key {21 + steps.argmax()} on')
 
 
+def side_db(folder):
+    """How far the difference of the sides is below their mean, the median over the notes [dB]."""
+    def of(sound):
+        return 10 * np.log10(((sound[:, 0] - sound[:, 1])**2).sum() / ((sound[:, 0] + sound[:, 1])**2).sum())
+    return np.median([of(load(f'{folder}/{note}v{layer}.wav')[:3 * RATE]) for note in NOTES for layer in SPEEDS])
+
+
 def load(path):
     """Samples by channels, from 3 ms before the onset."""
     rate, x = wavfile.read(path)
@@ -215,7 +222,8 @@ def distance(ours, real):
           f'\nlog-mel spectrogram, 3 s, one gain for all notes: mean {np.mean(mels):.1f} dB'
           f'\nloudness over the keyboard: rms {np.sqrt((balance**2).mean()):.1f} dB, worst {np.abs(balance).max():.0f} dB'
           f'\ncentroid: median factor {2**np.median(centroid):.2f}'
-          f'\nloudness between the layers: median difference {np.median(steps):.1f} dB')
+          f'\nloudness between the layers: median difference {np.median(steps):.1f} dB'
+          f'\nsides beside the middle: {side_db(ours):.1f} dB, {side_db(real):.1f} dB')
 
 
 if __name__ == '__main__':

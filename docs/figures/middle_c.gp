@@ -5,7 +5,7 @@ stats ARG1.'/waveform_ff' using (abs($2)) name 'ff' nooutput
 stats ARG1.'/waveform_pp' using (abs($2)) name 'pp' nooutput
 set multiplot layout 2,1
 set lmargin 10
-set title 'Middle C on the soundboard, left ear: the first 100 ms, each level by its peak'
+set title 'Middle C on the soundboard, mean of both ears: the first 100 ms, each level by its peak'
 set xlabel 'time [ms]'
 set ylabel 'velocity / peak'
 set xrange [0:100]

@@ -130,7 +130,7 @@ struct ScoreOptions {
   std::optional<double> a4_hz;           ///< empty: what the key map or the instrument says
   RenderOutput output;
 };
-/// Reads all scores, then plays each. model: what they must be for; empty: any.
+/// Reads all scores, then plays each.
 void render_scores(const ScoreOptions& given);
 
 }  // namespace contactspline

@@ -36,12 +36,12 @@ class Strike {
         a_(modes.size(), Real(0.0)),
         b_(modes.size(), Real(0.0)),
         h_(step_of(impact_model::number(mass_kg))),
-        receptance_(inverse_mass_) {
+        inverse_masses_(inverse_mass_) {
     for (const StruckMode& mode : modes) {
       turns_.push_back({std::exp(-mode.decay_per_s * h_) * std::cos(mode.w_rad_per_s * h_),
                         std::exp(-mode.decay_per_s * h_) * std::sin(mode.w_rad_per_s * h_),
                         mode.shape / (mode.mass_kg * mode.w_rad_per_s)});
-      receptance_ += mode.shape * mode.shape / mode.mass_kg;
+      inverse_masses_ += mode.shape * mode.shape / mode.mass_kg;
     }
     if (remembers()) memory_decay_ = exp_of(Real(-h_ / law.time_s));
   }
@@ -143,9 +143,9 @@ class Strike {
     }
     if (!touches) return false;
     last_touch_ = steps_;
-    // The speed in the middle of the blow is v - receptance h f/2.
+    // The speed in the middle of the blow is v - (sum of inverse masses) h f/2.
     const Real f = force_ * (shape * (1.0 + law_.loss_s_per_m * v) - law_.weight * memory_) /
-                   (1.0 + force_ * shape * law_.loss_s_per_m * receptance_ * (h_ / 2));
+                   (1.0 + force_ * shape * law_.loss_s_per_m * inverse_masses_ * (h_ / 2));
     if (!(number(f) > 0)) return true;
     last_force_ = f;
     speed_ -= h_ * f * inverse_mass_;
@@ -168,7 +168,7 @@ class Strike {
   std::span<const StruckMode> modes_;
   std::vector<Real> a_, b_;
   double h_;
-  Real receptance_;
+  Real inverse_masses_;
   std::vector<Turn> turns_;
   double max_compression_m_ = 0;
   int steps_ = 0, last_touch_ = 0;

@@ -22,11 +22,13 @@ namespace {
 using Folders = std::span<const Shipped>;
 
 std::string allowed_in(Folders folders, std::string_view wrong = {}) {
-  std::vector<std::string> names;
-  for (const Shipped folder : folders) std::ranges::copy(shipped_names(folder), std::back_inserter(names));
-  return fmt::format(
-      "a .json file, {}",
-      names_in_short(std::move(names), wrong, fmt::format("contactspline list {}s", kind_name(folders[0]))));
+  std::vector<std::string> names, commands;
+  for (const Shipped folder : folders) {
+    std::ranges::copy(shipped_names(folder), std::back_inserter(names));
+    commands.push_back(fmt::format("contactspline list {}s", kind_name(folder)));
+  }
+  return fmt::format("a .json file, {}",
+                     names_in_short(std::move(names), wrong, fmt::format("{}", fmt::join(commands, "` or `"))));
 }
 
 NamedText text_of_name(std::string_view file, std::string_view key, const std::string& name, Folders folders,

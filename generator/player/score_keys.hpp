@@ -113,8 +113,8 @@ inline void require_tuned(const JsonObject& event, int key, const KeyCents& cent
 /// Throws NothingTuned: a tuning is given for a score without keys that have a pitch.
 [[noreturn]] inline void refuse_tuning(std::string_view file) {
   throw NothingTuned(
-      fmt::format("{}: tuning: the score has no keys that could be tuned; allowed: for MIDI files, scores with a "
-                  "keyboard, and instruments with a tuned_key",
+      fmt::format("{}: tuning: the score has no keys that could be tuned; allowed: for MIDI files, "
+                  "keyboards, and instruments with a tuned_key",
                   file));
 }
 

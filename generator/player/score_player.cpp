@@ -211,7 +211,7 @@ class VoicePlayer {
   NoteTrack notes_;
   std::vector<int> held_;                   // notes that hold each strike
   std::array<int, kMidiKeys> held_keys_{};  // and each key
-  double bend_cents_;                       // 0 but for a hammer-string
+  double bend_cents_;                       // 0 but for a key of a keyboard
   bool is_tuned_;                           // are there notes beside the pitches of their keys?
   bool is_struck_ = false;
 };

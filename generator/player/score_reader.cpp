@@ -247,26 +247,32 @@ std::vector<std::string> event_keys(const Keyboard& keyboard) {
   return keys;
 }
 
-// Scores of 0.1.0 name the kind "hammer-string" beside a `keyboard`, which plays; other kinds of then are instruments
-// now.
-void check_old(const JsonObject& score) {
+// Is it a score of 0.1.0 that names a kind, "hammer-string", beside the `keyboard` that plays? Of others of then,
+// whose voices were made of resonator and material, says what plays such voices now.
+bool names_old_keyboard(const JsonObject& score) {
   constexpr std::pair<std::string_view, std::string_view> kOld[] = {
       {"hammer-string", "piano"}, {"slide-string", "lap_steel"}, {"fret-string", "fret_guitar"}};
   const std::string name = score.has_text("instrument") ? score.text("instrument", "") : "";
-  if (score.has("keyboard") && name == kOld[0].first) return;
+  if (score.has("keyboard") && name == kOld[0].first) return true;
   for (const auto& [old, now] : kOld)
     if (name == old)
-      score.fail("instrument", fmt::format("'{}' is no instrument", old),
-                 fmt::format("the name or the file of an instrument or a keyboard, such as \"{}\"", now));
-  if (score.has("keyboard")) score.fail("keyboard", "has no place here", "no such key: it is the instrument");
+      score.fail(
+          "instrument", fmt::format("'{}' is no instrument", old),
+          fmt::format("the name of an instrument or a keyboard, such as \"{}\", or a file of one with the parts of "
+                      "the voices",
+                      now));
+  if (score.has("keyboard"))
+    score.fail("keyboard", "is no key beside an instrument", "the keyboard as the instrument, such as \"piano\"");
+  return false;
 }
 
 JsonObject parse_score_object(std::string_view text, std::string_view file) {
-  if (const auto keys = json_keys(text, file, "score"); !keys.empty())
-    check_old(parse_json(text, file, "score", keys));
-  return parse_json(text, file, "score",
-                    {"instrument", "description", "duration_s", "level_db", "oversample", "tuning", "keymap", "a4_hz",
-                     "voices", "events", "keyboard"});
+  std::vector<std::string> allowed = {"instrument", "description", "duration_s", "level_db", "oversample",
+                                      "tuning",     "keymap",      "a4_hz",      "voices",   "events"};
+  if (text.find("-string\"") != text.npos || text.find("\"keyboard\"") != text.npos)  // others are not old
+    if (const auto keys = json_keys(text, file, "score"); !keys.empty())
+      if (names_old_keyboard(parse_json(text, file, "score", keys))) allowed.emplace_back("keyboard");
+  return parse_json(text, file, "score", allowed);
 }
 
 // The key that names what plays.

@@ -25,7 +25,7 @@ namespace contactspline {
 
 /// What a score says of itself, for a list.
 struct ScoreHeading {
-  std::string instrument;   ///< its name, or its file
+  std::string instrument;   ///< its name, or its file; of a score that ships
   std::string description;  ///< one line, may be empty
   double duration_s;
 };

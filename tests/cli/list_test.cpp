@@ -101,14 +101,14 @@ TEST(List, PrintsTheLowestModeOfAResonator) {
   }
 }
 
-// At once, because it designs nothing: ten materials, 20 scores and 16 instruments ship, most of them with a
+// At once, because it designs nothing: ten materials, 19 scores and 17 instruments ship, most of them with a
 // felt of optimal knots.
 TEST(List, TakesLessTimeThanTheDesignOfAFewMaterials) {
   const double design = cpu_time_s({.arguments = {"generate", "felt_c4", "--emit", "json", "-o", "-"}});
   EXPECT_LT(cpu_time_s({.arguments = {"list", "materials"}}), design / 2);
   EXPECT_LT(cpu_time_s({.arguments = {"list", "keyboards"}}), design / 2);
   EXPECT_LT(cpu_time_s({.arguments = {"list", "scores"}}), design / 2);
-  EXPECT_LT(cpu_time_s({.arguments = {"list"}}), 4.5 * design);
+  EXPECT_LT(cpu_time_s({.arguments = {"list"}}), 5 * design);
 }
 
 }  // namespace

@@ -86,8 +86,6 @@ struct Parts {
       wavenumbers.push_back(mode.wavenumber_per_m);
     }
   }
-  Parts(const std::string& resonator_name, const std::string& material_name)
-      : Parts(resonator_name, shipped_material(material_name)) {}
 
   [[nodiscard]] ModeShapes<double> at(double place_m) const {
     ModeShapes<double> shapes(modes.size());

@@ -429,8 +429,7 @@ TEST(Render, NamesTheSoundByWhatIsPlayed) {
     "events": [ { "time_s": 0, "stick_speed_m_per_s": 1 } ] })");
   for (const Words& words : std::vector<Words>{{"mass-barrier", "felt_c4", "--duration", "0.01"},
                                                {"mass-barrier", "--duration", "0.01", "--material", "mb1"},
-                                               {"in/my.json"},
-                                               {"instrument", "in/my.json", "--force"}})
+                                               {"in/my.json"}})
     succeed({.arguments = followed_by({"render"}, words), .folder = box.path()});
   for (const char* name : {"felt_c4.wav", "felt_c4.svg", "mb1.wav", "my.wav", "my.svg"})
     EXPECT_TRUE(fs::exists(box / name)) << names_in(box.listing());

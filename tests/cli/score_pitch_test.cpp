@@ -43,8 +43,8 @@ TEST(ScorePitch, BendsThePitchOfMidiNotes) {
 TEST(ScorePitch, IsNotPumpedByBends) {
   std::string events = R"({ "time_s": 0, "key": 60, "speed_m_per_s": 5 })";
   for (int n = 0; n < 400; ++n)
-    events += fmt::format(R"(, {{ "time_s": {}, "bend_cents": {} }})", 0.05 + 0.001 * n, n % 2 == 0 ? -1200 : 1200);
-  const Sound sound = sound_of(R"({ "instrument": "piano", "duration_s": 0.5, "events": [ )" + events + " ] }",
+    events += fmt::format(R"(, {{ "time_s": {}, "bend_cents": {} }})", 0.1 + 0.001 * n, n % 2 == 0 ? -1200 : 1200);
+  const Sound sound = sound_of(R"({ "instrument": "piano", "duration_s": 0.55, "events": [ )" + events + " ] }",
                                {"--signal", "bridge"});
   double blow = 0;
   for (std::size_t n = 0; n < 4410; ++n) blow = std::max(blow, std::abs(sound.samples[n]));

@@ -112,11 +112,11 @@ TEST_P(ShippedScore, Plays) {
   EXPECT_EQ(sound.channels, is_panned ? 2 : 1);
   const double loudness = loudness_of(sound);
   Measured() << name << ": " << loudness << " dB(A)";
-  if (text.find("\"level_db\"") == text.npos) {
+  if (is_midi) {
     EXPECT_TRUE(within(sound.peak(), kPeak, kLevel));
   } else {
     EXPECT_LT(sound.peak(), 1);
-    EXPECT_TRUE(within(loudness, -30, 1.5));
+    EXPECT_TRUE(within(loudness, -30, 1.5));  // -29 is the goal of bench/levels.py, which peaks keep one score from
   }
   const std::ptrdiff_t half_second = std::ptrdiff_t{22050} * sound.channels;
   const std::ptrdiff_t stretches = std::ssize(sound.samples) / half_second;

@@ -156,8 +156,10 @@ TYPED_TEST(LoadedInstrument, SleepsAtOnceUntilItIsPlayed) {
 TEST(LapSteel, WakesWhereAHandPressesHarder) {
   Hosted<double> hosted(compiled<instruments::lap_steel<double>>());
   hosted.prepare(kRate);
-  (void)hosted_sound(hosted, 10000);
+  (void)hosted_sound(hosted, 9 * 256);
   const double before_j = hosted.instrument().energy();
+  (void)hosted_sound(hosted, 10000);
+  EXPECT_EQ(hosted.instrument().energy(), before_j) << "not asleep";
   hosted.set(parameter(hosted.instrument(), "press_gap_shift_m"), 0.01);
   (void)hosted_sound(hosted, static_cast<std::size_t>(kRate));
   EXPECT_GT(hosted.instrument().energy(), 1.5 * before_j);

@@ -36,12 +36,13 @@ inline constexpr double kFeatureRate = 44100;
   return score;
 }
 
-/// The left channel of a note on the soundboard [m/s].
+/// The mean of both channels of a note on the soundboard [m/s].
 [[nodiscard]] inline std::vector<double> sound_of(const Score& score) {
   const Performance played = play(score, {.sample_rate_hz = kFeatureRate, .is_on_body = true}, [](double) {});
-  std::vector<double> left;
-  for (std::size_t n = 0; n < played.samples.size(); n += 2) left.push_back(static_cast<double>(played.samples[n]));
-  return left;
+  std::vector<double> mean;
+  for (std::size_t n = 0; n < played.samples.size(); n += 2)
+    mean.push_back((double(played.samples[n]) + double(played.samples[n + 1])) / 2);
+  return mean;
 }
 
 /// From the first to the last sample in which the hammer touches the strings in the first 20 ms [s], to 6 us.

@@ -89,11 +89,11 @@ class NetworkReceptances {
   /// Those of other pairs are 0.
   void couple(NetworkParts<T>& parts, CoupledContacts<T>& solver) {
     const std::size_t n = parts.connections.size();
-    const auto each_pair = [&](const NetworkBody<T>& body, auto use) {
+    const auto each_pair = [&](const NetworkBody<T>& body, auto visit) {
       for (const std::size_t k : body.connections)
         for (const std::size_t l : body.connections) {
           if (l > k) break;
-          use(k, l, of_connections_[k * n + l]);
+          visit(k, l, of_connections_[k * n + l]);
         }
     };
     for (const NetworkBody<T>& body : parts.bodies)
