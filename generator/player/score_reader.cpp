@@ -275,9 +275,10 @@ JsonObject parse_score_object(std::string_view text, std::string_view file) {
   return parse_json(text, file, "score", allowed);
 }
 
-// The key that names what plays.
-const char* key_of_player(const JsonObject& score) {
-  return score.has("keyboard") ? "keyboard" : "instrument";
+// What plays: an instrument or a keyboard, of an old score the keyboard.
+NamedText read_player(const JsonObject& score, const ReadFile& read) {
+  if (score.has("keyboard")) return read_named(score, "keyboard", Shipped::kKeyboards, read);
+  return read_named(score, "instrument", kPlayers, read);
 }
 
 // Voices that the same key plays have strings of their own.
@@ -366,7 +367,7 @@ Score parse_score(std::string_view text, std::string_view file, const ReadFile& 
       score.fail("instrument", fmt::format("'{}' is not what --instrument names", shown(name)), played->name);
     return parse_score_on(score, file, *played, tuning);
   }
-  const NamedText named = read_named(score, key_of_player(score), kPlayers, read);
+  const NamedText named = read_player(score, read);
   if (named.kind == Shipped::kKeyboards) return parse_keyboard_score(score, file, named, read, tuning);
   return parse_score_on(score, file, parse_instrument(named.text, named.file, reader_beside(named, read)), tuning);
 }
