@@ -907,7 +907,7 @@ files_of() {
   local block name
   for block in block*.json; do
     [ -e "$block" ] || continue
-    name=$(sed -nE 's/^  "name": "([a-z_0-9]+)".*/\1/p; s/^  "instrument": "(piano|lap_steel)".*/\1_score/p; s/^  "instrument": "([a-z]+\/)*([a-z_]+)\.json".*/\2_score/p' "$block" | head -n 1)
+    name=$(sed -nE 's/^  "name": "([a-z_0-9]+)".*/\1/p; s/^  "instrument": "(examples\/keyboards\/)?(piano|phantom_bass)(\.json)?".*/my_\2_score/p; s/^  "instrument": "([a-z_]+)\.json".*/\1_score/p' "$block" | head -n 1)
     [ -z "$name" ] || mv "$block" "$name.json"
   done
   [ ! -e curve2.csv ] || { mv curve1.csv my_felt.csv && mv curve2.csv my_impact.csv; }
