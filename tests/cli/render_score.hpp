@@ -50,8 +50,9 @@ inline Sound sound_alone(const std::string& score, const Files& beside, const Wo
   return read_sound(box / "a.wav");
 }
 
-/// The sound is the motion after the high-pass of every score. 24 bits, and a sum of voices kept in single precision.
-inline void expect_is(const Sound& sound, std::vector<double> motion, double bound = 2 * kLevel) {
+/// The sound is the motion after the high-pass of every score. 24 bits round it by half a level, and single precision
+/// by up to half a level each: before the high-pass, behind it, and the gain by its own and the peak's rounding.
+inline void expect_is(const Sound& sound, std::vector<double> motion, double bound = 2.5 * kLevel) {
   high_pass(std::span(motion), sound.channels, sound.rate);
   const auto channels = static_cast<std::size_t>(sound.channels), frames = motion.size() / channels;
   for (std::size_t i = 0; i < motion.size(); ++i) {  // the last 10 ms fade to 0 by a raised cosine
