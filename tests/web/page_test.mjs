@@ -949,7 +949,7 @@ const cases = {
         const [{ mass_kg }] = JSON.parse(execFileSync(program, ["impact", material, "--speed", String(speed), "--json"], { encoding: "utf8" }));
         const instrument = {
           name: "blow", bodies: [{ name: "string", resonator: "c4.json" }, { name: "hammer", mass_kg }],
-          places: [{ name: "struck", body: "string", position_m: 0.0744 }], strikes: ["hammer"],
+          places: [{ name: "struck", body: "string", ...place }], strikes: ["hammer"],
           contacts: [{ name: "felt", between: ["hammer", "struck"], material, gap_m: 1e-4 }], outputs: [{ name: "felt", force_n: "felt" }],
         };
         const score = { instrument, duration_s: 0.1, events: [{ time_s: 0, hammer_speed_m_per_s: speed }] };
