@@ -27,8 +27,10 @@ class tom : public Voices<NetworkInstrument<T>> {
   void set_air_stiffness_n_per_m(T value) { this->set(0, double(value)); }
   /// 0 to 1000, at the beginning 0.
   void set_hand_damping_per_s(T value) { this->set(1, double(value)); }
+  /// 0 to 2, at the beginning 0.03.
+  void set_tip_loss_s_per_m(T value) { this->set(2, double(value)); }
   /// -100 to 100, at the beginning 2.5.
-  void set_stick_speed_m_per_s(T value) { this->set(2, double(value)); }
+  void set_stick_speed_m_per_s(T value) { this->set(3, double(value)); }
   void strike_stick(T speed_m_per_s) { this->strike(0, speed_m_per_s); }
   [[nodiscard]] T microphone_pressure_pa() const { return this->output(0); }
   [[nodiscard]] T batter_velocity_m_per_s() const { return this->output(1); }
@@ -841,23 +843,25 @@ class tom : public Voices<NetworkInstrument<T>> {
     static constexpr std::array<InstrumentConnection, 2> connections = {{
         {ConnectionKind::kContact, 0, 1, 0, 0.004, 0.08, 0.0, 0.0, 0.0},
         {ConnectionKind::kSpring, 3, 4, 0, 0.0, 1.0, 0.0, 45000.0, 3.93}}};
-    static constexpr std::array<InstrumentControl, 2> controls = {{
+    static constexpr std::array<InstrumentControl, 3> controls = {{
         {ControlQuantity::kStiffness, 0, 1},
-        {ControlQuantity::kDamping, 1, 2}}};
-    static constexpr std::array<std::size_t, 7> targets = {1, 0, 1, 5, 6, 2, 4};
+        {ControlQuantity::kDamping, 1, 2},
+        {ControlQuantity::kLoss, 3, 1}}};
+    static constexpr std::array<std::size_t, 8> targets = {1, 0, 1, 0, 5, 6, 2, 4};
     static constexpr std::array<std::size_t, 1> strikes = {2};
     static constexpr std::array<std::size_t, 0> plucks = {};
     static constexpr std::array<InstrumentOutput, 3> sources = {{
-        {OutputQuantity::kPressure, 3, 2},
-        {OutputQuantity::kVelocity, 5, 1},
-        {OutputQuantity::kVelocity, 6, 1}}};
+        {OutputQuantity::kPressure, 4, 2},
+        {OutputQuantity::kVelocity, 6, 1},
+        {OutputQuantity::kVelocity, 7, 1}}};
     // Values that are allowed, those of sliders, the first one, scale, when it acts, how slowly it follows [s].
-    static constexpr std::array<Parameter, 3> parameters = {{
+    static constexpr std::array<Parameter, 4> parameters = {{
         {"air_stiffness_n_per_m", "N/m", {0.0, 100000.0}, {0.0, 100000.0}, 45000.0, Scale::kLinear, Acts::kAtOnce, 0.0},
         {"hand_damping_per_s", "1/s", {0.0, 1000.0}, {0.0, 1000.0}, 0.0, Scale::kLinear, Acts::kAtOnce, 0.005},
+        {"tip_loss_s_per_m", "s/m", {0.0, 2.0}, {0.0, 2.0}, 0.03, Scale::kLinear, Acts::kAtOnce, 0.0},
         {"stick_speed_m_per_s", "m/s", {-100.0, 100.0}, {0.0, 10.0}, 2.5, Scale::kLinear, Acts::kAtNextNote, 0.0}}};
     static constexpr std::array<Event, 1> events = {{
-        {"strike_stick", EventKind::kStrike, 0, 2}}};
+        {"strike_stick", EventKind::kStrike, 0, 3}}};
     static constexpr std::array<Output, 3> outputs = {{
         {"microphone_pressure_pa", "Pa", 60.0},
         {"batter_velocity_m_per_s", "m/s", 3.0},
