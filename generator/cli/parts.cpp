@@ -247,9 +247,9 @@ PartSources read_parts(const std::string& score, const Parts& parts, const Tunin
   return std::move(reader.read);
 }
 
-int channels_of(const Score& score, std::span<const MixGains> mix) {
+int channels_of(const Score& score, const PlayOptions& options, std::span<const MixGains> mix) {
   const bool is_aside = std::ranges::any_of(mix, [](const MixGains& gains) { return gains.left != gains.right; });
-  return is_aside ? 2 : channels_of(score);
+  return is_aside ? 2 : channels_of(score, options);
 }
 
 Precision precision_of(const Score& score, Precision asked) {
@@ -280,6 +280,7 @@ void add_part(Performance& sum, const Performance& part, double full_scale, std:
   for (std::size_t i = 0; i < kColumns; ++i) sum.force_n[i] = std::max(sum.force_n[i], added[i]);
   sum.largest_force_n = std::max(sum.largest_force_n, part.largest_force_n);
   sum.contacts += part.contacts;
+  sum.contact_s += part.contact_s;
   if (part.mean_contact_s > 0)
     sum.mean_contact_s =
         sum.mean_contact_s > 0 ? std::min(sum.mean_contact_s, part.mean_contact_s) : part.mean_contact_s;

@@ -54,7 +54,7 @@ struct PartSources {
 [[nodiscard]] PartSources read_parts(const std::string& score, const Parts& parts, const Tuning& tuning);
 
 /// 2 where the sides of a sound differ, by itself or as it is mixed; else 1.
-[[nodiscard]] int channels_of(const Score& score, std::span<const MixGains> mix);
+[[nodiscard]] int channels_of(const Score& score, const PlayOptions& options, std::span<const MixGains> mix);
 
 /// The precision that is asked for, or the only one in which a model of the user's own computes.
 [[nodiscard]] Precision precision_of(const Score& score, Precision asked);

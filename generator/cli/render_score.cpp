@@ -253,7 +253,8 @@ Prepared prepare(const ScoreOptions& given) {
     if (!options.output.level_db) options.output.level_db = part.score.level_db;
     if (!options.output.oversampling) options.output.oversampling = part.score.oversampling;
     require_short(options.score + ": duration_s", part.score.duration_s, options.output.model_rate_hz());
-    channels = std::max(channels, channels_of(part.score, part.mix));
+    part.how = play_options(options, part.score);
+    channels = std::max(channels, channels_of(part.score, part.how, part.mix));
     std::ranges::move(source.files, std::back_inserter(files));
   }
   stems = stems_of(options, parts);
@@ -262,10 +263,7 @@ Prepared prepare(const ScoreOptions& given) {
   for (const std::string& file : {given.tuning, given.keymap})
     if (!file.empty()) files.emplace_back(file);
   require_outputs(options.output, channels, files, stem_files);
-  for (PlayedPart& part : parts) {
-    part.how = play_options(options, part.score);
-    set_length(options, part);
-  }
+  for (PlayedPart& part : parts) set_length(options, part);
   return prepared;
 }
 
@@ -304,7 +302,8 @@ Performance play_part(const ScoreOptions& options, PlayedPart& part, const Progr
 Performance play_parts(const ScoreOptions& options, std::vector<PlayedPart>& parts) {
   if (parts.size() == 1 && parts[0].mix.empty()) return play_part(options, parts[0], show_progress);
   Performance sum{static_cast<double>(options.output.sample_rate_hz), 1, {}, {}, 0, 0};
-  for (const PlayedPart& part : parts) sum.channels = std::max(sum.channels, channels_of(part.score, part.mix));
+  for (const PlayedPart& part : parts)
+    sum.channels = std::max(sum.channels, channels_of(part.score, part.how, part.mix));
   for (std::size_t p = 0; p < parts.size(); ++p)
     add_part(sum,
              play_part(options, parts[p],
@@ -333,10 +332,16 @@ std::string scale_line(const std::vector<PlayedPart>& parts, double scale) {
 
 std::string contact_lines(const std::vector<PlayedPart>& parts, const Performance& performance) {
   if (std::ranges::all_of(parts, [](const PlayedPart& part) { return summed_contacts(part.score) == 0; })) return {};
-  return fmt::format(
-      "{} contacts in {:.4g} s, largest contact force {:.4g} N\n{}", performance.contacts,
-      static_cast<double>(performance.samples.size()) / performance.channels / performance.sample_rate_hz,
-      performance.largest_force_n, short_contact_line(performance, parts[0].how));
+  const double seconds =
+      static_cast<double>(performance.samples.size()) / performance.channels / performance.sample_rate_hz;
+  const bool is_sum = parts.size() == 1 && summed_contacts(parts[0].score) > 1;
+  const std::size_t voices = parts[0].score.voices.size();
+  return (is_sum ? fmt::format("{}in contact for {:.3g} s of {:.4g} s, largest sum of contact forces {:.4g} N\n",
+                               voices > 1 ? fmt::format("{} voices together ", voices) : "", performance.contact_s,
+                               seconds, performance.largest_force_n)
+                 : fmt::format("{} contacts in {:.4g} s, largest contact force {:.4g} N\n", performance.contacts,
+                               seconds, performance.largest_force_n)) +
+         short_contact_line(performance, parts[0].how);
 }
 
 void render(Prepared& prepared) {

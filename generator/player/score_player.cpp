@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "contactspline/host/engine.hpp"
+#include "contactspline/host/hosted.hpp"
 #include "contactspline/midi/key_tuning.hpp"
 #include "contactspline/step/flush_denormals.hpp"
 #include "contactspline/step/half_band.hpp"
@@ -54,8 +55,9 @@ class Recorder {
   Recorder(const Score& score, const PlayOptions& options)
       : least_(sample_at(score.duration_s, options.sample_rate_hz)),
         samples_(sample_at(score.duration_s + options.max_ring_s, options.sample_rate_hz)),
-        stretch_(std::max<std::size_t>(1, (least_ + kColumns - 1) / kColumns)) {
-    performance_ = {options.sample_rate_hz, channels_of(score), {}, {}, 0, 0};
+        stretch_(std::max<std::size_t>(1, (least_ + kColumns - 1) / kColumns)),
+        has_sides_(options.right_output) {
+    performance_ = {options.sample_rate_hz, channels_of(score, options), {}, {}, 0, 0};
     performance_.samples.resize(samples_ * static_cast<std::size_t>(performance_.channels));
     performance_.force_n.resize((samples_ + stretch_ - 1) / stretch_);
   }
@@ -63,16 +65,17 @@ class Recorder {
   void begin(const Voice& voice) {
     const double angle = (voice.pan + 1) * std::numbers::pi / 4;  // equal power
     strings_ = voice.strings;
-    left_ = performance_.channels == 1 ? 1 : std::cos(angle);
-    right_ = std::sin(angle);
+    const double in_the_middle = has_sides_ ? std::numbers::sqrt2 : 1;
+    left_ = performance_.channels == 1 ? 1 : in_the_middle * std::cos(angle);
+    right_ = in_the_middle * std::sin(angle);
     end_contact();
   }
 
-  /// A block of a voice: the output and the contact force of every sample.
+  /// A block of a voice: what is on both sides and the contact force, of every sample.
   template <typename T>
-  void add(std::size_t begin, std::span<const T> output, std::span<const T> force) {
-    for (std::size_t n = 0; n < output.size(); ++n) {
-      add_sound(begin + n, left_ * double(output[n]), right_ * double(output[n]));
+  void add(std::size_t begin, std::span<const T> left, std::span<const T> right, std::span<const T> force) {
+    for (std::size_t n = 0; n < left.size(); ++n) {
+      add_sound(begin + n, left_ * double(left[n]), right_ * double(right[n]));
       add_force(begin + n, strings_ * double(force[n]));
     }
   }
@@ -91,6 +94,7 @@ class Recorder {
     note_force(sample, force_n);
     if (!(force_n > 0)) return end_contact();
     performance_.contacts += contact_samples_ == 0;
+    performance_.contact_s += 1 / performance_.sample_rate_hz;
     ++contact_samples_;
     contact_impulse_ += force_n;
   }
@@ -123,6 +127,7 @@ class Recorder {
   }
 
   std::size_t least_, samples_, stretch_, end_ = least_;
+  bool has_sides_;  // which a pan of 0 leaves as they are
   Performance performance_;
   double strings_ = 1, left_ = 1, right_ = 1;
   std::size_t contact_samples_ = 0;                                 // of the contact that lasts
@@ -281,12 +286,19 @@ class Sleep {
   std::size_t processed_ = 0;  // samples since the last look
 };
 
-/// Plays one voice on an instrument of its own, block by block.
+template <typename T>
+double full_scale_of(const AnyInstrument<T>& instrument, std::size_t output) {
+  return instrument.outputs()[output].full_scale;
+}
+
+/// Plays one voice on an instrument of its own, block by block. What is on the right has the scale of the left.
 template <typename T>
 void play_voice(AnyInstrument<T>& instrument, const Score& score, const Voice& voice, const PlayOptions& options,
                 Recorder& recorder, const PartDone& done) {
-  std::vector<T> sound(kBlock), force(kBlock);
-  std::vector<std::span<T>> outputs(options.output + 1);
+  std::vector<T> sound(kBlock), on_right(kBlock), force(kBlock);
+  const std::size_t right = options.right_output.value_or(options.output);
+  const T right_scale = static_cast<T>(full_scale_of(instrument, options.output) / full_scale_of(instrument, right));
+  std::vector<std::span<T>> outputs(std::max(options.output, right) + 1);
   instrument.prepare(options.sample_rate_hz);
   VoicePlayer<AnyInstrument<T>> player(instrument, voice, options.sample_rate_hz);
   Sleep sleep(instrument.sleeps());
@@ -300,20 +312,24 @@ void play_voice(AnyInstrument<T>& instrument, const Score& score, const Voice& v
     const std::size_t to_silence = silences.take(instrument, begin);
     const std::size_t samples = std::min({end - begin, to_silence, player.take_events(begin), kMaxSteady});
     const auto sound_block = std::span(sound).first(samples), force_block = std::span(force).first(samples);
+    const auto right_block = options.right_output ? std::span(on_right).first(samples) : sound_block;
     if (sleep.skips(player.is_struck(), samples)) {
-      std::ranges::fill(sound_block, T(0));
-      std::ranges::fill(force_block, T(0));
+      for (const auto& block : {sound_block, right_block, force_block}) std::ranges::fill(block, T(0));
     } else {
-      outputs.back() = sound_block;
+      outputs[options.output] = sound_block;
+      outputs[right] = right_block;
       instrument.process(outputs, force_block);
+      if (options.right_output)
+        for (T& sample : right_block) sample *= right_scale;
       sleep.look_at(instrument);
     }
     for (std::size_t n = 0; n < samples; ++n)
-      if (!is_bounded(double(sound_block[n])) || !is_bounded(double(force_block[n])))
+      if (!is_bounded(double(sound_block[n])) || !is_bounded(double(right_block[n])) ||
+          !is_bounded(double(force_block[n])))
         refuse_infinite(score, "voice " + voice.name, options, begin + n);
-    recorder.add<T>(begin, sound_block, force_block);
+    recorder.add<T>(begin, sound_block, right_block, force_block);
     begin += samples;
-    ring.hear(largest_of<T>(sound_block), begin);
+    ring.hear(std::max(largest_of<T>(sound_block), largest_of<T>(right_block)), begin);
   }
   recorder.end_at(begin);
 }
@@ -452,8 +468,8 @@ Performance decimated(Performance performance, int factor) {
 
 }  // namespace
 
-int channels_of(const Score& score) {
-  if (score.body) return 2;
+int channels_of(const Score& score, const PlayOptions& options) {
+  if (score.body || options.right_output) return 2;
   return std::ranges::any_of(score.voices, [](const Voice& voice) { return voice.pan != 0; }) ? 2 : 1;
 }
 
@@ -468,7 +484,14 @@ std::vector<Output> outputs_of(const Score& score) {
 
 void choose_best_output(const Score& score, PlayOptions& options) {
   options.is_on_body = score.body.has_value();
-  if (!options.is_on_body && model_of(score) == nullptr) options.output = StringOutput::kBridge;
+  if (model_of(score) == nullptr) {
+    if (!options.is_on_body) options.output = StringOutput::kBridge;
+    return;
+  }
+  const std::vector<Output> outputs = outputs_of(score);
+  const std::size_t left = output_beginning(outputs, "left_", 0), right = output_beginning(outputs, "right_", left);
+  options.output = left;
+  if (right != left) options.right_output = right;
 }
 
 Performance play(const Score& score, const PlayOptions& options, const Progress& progress) {

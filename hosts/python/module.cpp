@@ -357,16 +357,21 @@ py::tuple play_score(const std::string& source, bool is_text, double rate, bool 
     const Tuning tuning = tuning_argument(scale, keymap, a4_hz);
     const std::vector<PartSource> parts =
         sources_of(source, is_text, parts_of(instrument, by_channel, channels), tuning);
-    for (const PartSource& part : parts)
-      performance.channels = std::max(performance.channels, channels_of(part.source.score, part.mix));
-    level_db = parts[0].source.score.level_db;
-    for (const auto& [name, read, mix] : parts) {
-      const Score& score = read.score;
+    const auto options_of = [&](const Score& score) {
       PlayOptions options{rate};
       options.precision = precision_of(score, is_single ? Precision::kSingle : Precision::kDouble);
       options.oversampling = score.oversampling;
       if (score.ring_s > 0) options.max_ring_s = kLongestRing_s;
       choose_best_output(score, options);
+      return options;
+    };
+    for (const PartSource& part : parts)
+      performance.channels =
+          std::max(performance.channels, channels_of(part.source.score, options_of(part.source.score), part.mix));
+    level_db = parts[0].source.score.level_db;
+    for (const auto& [name, read, mix] : parts) {
+      const Score& score = read.score;
+      const PlayOptions options = options_of(score);
       Performance part = play(score, options, [](double) { stop_on_signal(); });
       const Output chosen = contactspline::outputs_of(score)[options.output];
       output = options.is_on_body ? "body_velocity_m_per_s" : chosen.name;

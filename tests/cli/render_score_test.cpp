@@ -141,6 +141,32 @@ TEST(RenderScore, PlaysAKey) {
   expect({"force"}, [](const auto&, const auto& model) { return model.force(); });
 }
 
+// The outputs of the gong that begin with left_ and right_, as --signal gives each of them.
+TEST(RenderScore, HasTheSidesOfAnInstrument) {
+  const auto sound_of_gong = [](const std::string& voices, const Words& signal) {
+    return sound_alone(
+        R"({"instrument": "gong", "duration_s": 0.2, )" + voices + R"("events": [{"time_s": 0.01, "key": 52}]})", {},
+        followed_by({"--gain", "-20"}, signal));
+  };
+  const Sound both = sound_of_gong("", {}), left = sound_of_gong("", {"--signal", "left"}),
+              right = sound_of_gong("", {"--signal", "right"}),
+              panned = sound_of_gong(R"("voices": [{"name": "v", "pan": 0.5}], )", {});
+  ASSERT_EQ(both.channels, 2);
+  ASSERT_EQ(left.channels, 1);
+  ASSERT_EQ(panned.channels, 2);
+  ASSERT_EQ(both.samples.size(), 2 * left.samples.size());
+  EXPECT_GT(left.peak(), 1000 * kLevel);
+  EXPECT_NE(left.samples, right.samples);
+  const double angle = 0.75 * pi / 2;
+  for (std::size_t n = 0; n < left.samples.size(); ++n) {
+    ASSERT_TRUE(within(both.samples[2 * n], left.samples[n], 2.5 * kLevel)) << n;
+    ASSERT_TRUE(within(both.samples[2 * n + 1], right.samples[n], 2.5 * kLevel)) << n;
+    ASSERT_TRUE(within(panned.samples[2 * n], std::sqrt(2) * std::cos(angle) * left.samples[n], 4 * kLevel)) << n;
+    ASSERT_TRUE(within(panned.samples[2 * n + 1], std::sqrt(2) * std::sin(angle) * right.samples[n], 4 * kLevel))
+        << n;
+  }
+}
+
 TEST(RenderScore, FindsFilesBesideTheScore) {
   const Sandbox box;
   fs::create_directories(box / "music");
