@@ -22,7 +22,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent / "drums"))
 from make import Stroke
-from notes import recorded, rendered
+from notes import RATE, from_onset, recorded, rendered
 from strings import Note
 
 VELOCITIES = {"s": 0.55, "l": 0.85}
@@ -48,7 +48,17 @@ def heard(sound, instrument, key):
     _, _, seconds, top = INSTRUMENTS[instrument]
     if instrument in DRUMS:
         return Stroke(sound, seconds)
-    return Note(sound, key, {"seconds": seconds, "top": top, "tops": {}, "inharmonicity": {key: 1e-4}})
+    return Note(sound, key, {"seconds": seconds, "top": top, "tops": {}, "inharmonicity": {key: inharmonicity(sound, key)}})
+
+
+def inharmonicity(sound, key):
+    """B, up to 5e-4, at which partials 3 to 20 have most of the levels [dB]."""
+    part = from_onset(sound)[int(0.03 * RATE):int(0.73 * RATE)]
+    n = 1 << 16
+    level, f0, k = 20 * np.log10(np.abs(np.fft.rfft(part * np.blackman(len(part)), n)) + 1e-6), 440 * 2 ** ((key - 69) / 12), np.arange(3, 21)
+    level = np.array([level[max(0, i - 3):i + 4].max() for i in range(len(level))])  # within 2 Hz
+    at = lambda b: np.minimum(np.round(k * f0 * np.sqrt(1 + b * k * k) * n / RATE).astype(int), n // 2 - 1)
+    return max(np.concatenate([[0], np.geomspace(1e-6, 5e-4, 80)]), key=lambda b: level[at(b)].sum())
 
 
 def ours(program, instrument):
