@@ -2,24 +2,26 @@
 # SPDX-License-Identifier: MIT
 """Makes the files of the guitars, with parts that are fitted to recorded notes.
 
-    make.py write classical_guitar|steel_guitar|fret_guitar FILE
-    make.py fit PROGRAM classical_guitar|steel_guitar|fret_guitar RECORDINGS FILE
+    make.py write INSTRUMENT FILE
+    make.py fit PROGRAM INSTRUMENT RECORDINGS FILE
     make.py distance PROGRAM FILE FITTED KEPT
 
-PROGRAM is contactspline. RECORDINGS, FITTED and KEPT hold SOURCE/KEY.wav, single notes of open strings at 44.1 kHz under their
-keys of MIDI. `write` writes FILE from the numbers below, `fit` from those that it finds and prints. It searches by least squares from
-where a search ended: of the classical guitar forces of the fingers, masses, decays and shapes of the body's modes and how strongly they
-sound outside, above 1.3 kHz a curve over the frequency; of the steel guitar losses and where the strings are plucked, too, but no shapes,
-and a curve from 600 Hz on; of the fret guitar losses, where it is plucked and where its magnet is, and how
-the modes of the amplifier sound. What is made small is that of bench/strings.py and, for all keys of the classical guitar and many of the
-steel guitar, how much louder they are than the mean of them, less the median of that over the sources [dB(A)], between the keys that were
-recorded on a line. Notes of the classical guitar are those of linear.py. A decay of up to four times that of a usual body keeps keys
-beside a mode of it as loud as others, and in tune. The fret guitar's string is plucked as fast on all keys.
+PROGRAM is contactspline; INSTRUMENT is classical_guitar, steel_guitar, fret_guitar or slap_bass. RECORDINGS, FITTED and KEPT hold
+SOURCE/KEY.wav, single notes of open strings at 44.1 kHz under their keys of MIDI. `write` writes FILE from the numbers below, `fit` from
+those that it finds and prints. It searches by least squares from where a search ended: of the classical guitar forces of the fingers,
+masses, decays and shapes of the body's modes and how strongly they sound outside, above 1.3 kHz a curve over the frequency; of the steel
+guitar losses and where the strings are plucked, too, but no shapes, and a curve from 600 Hz on; of the fret guitar losses, where it is
+plucked and where its magnet is, and how the modes of the amplifier sound; of the slap bass the place of its magnet and these modes. What
+is made small is that of bench/strings.py and, for all keys of the classical guitar and many of the steel guitar, how much louder they are
+than the mean of them, less the median of that over the sources [dB(A)], between the keys that were recorded on a line. Notes of the
+classical guitar are those of linear.py. A decay of up to four times that of a usual body keeps keys beside a mode of it as loud as others,
+and in tune. The fret guitar's string is plucked as fast on all keys.
 
 Fitted: E2, A2, D3, G3, B3 and E4 of Nylon Guitar of FluidR3 GM (fluid-soundfont-gm, MIT) and of tonejs-instrument-guitar-nylon
-(npm; CC-BY 3.0); the same strings of Steel Guitar of FluidR3 GM and of tonejs-instrument-guitar-acoustic (CC-BY 3.0); E2, D3, G3 and E4 of Clean Guitar of FluidR3 GM.
-Kept: Nylon Guitar, Steel Guitar and Clean Electric Guitar of freepats (GPL-2
-with an exception for music), A2 and B3 of Clean Guitar, tonejs-instrument-guitar-electric.
+(npm; CC-BY 3.0); the same strings of Steel Guitar of FluidR3 GM and of tonejs-instrument-guitar-acoustic (CC-BY 3.0); E2, D3, G3 and E4 of Clean
+Guitar and C2, D#2, G2 and C3 of Slap Bass 1 of FluidR3 GM. Kept: Nylon Guitar, Steel Guitar and Clean Electric Guitar of freepats (GPL-2
+with an exception for music), A2 and B3 of Clean Guitar, tonejs-instrument-guitar-electric; Pop Bass of FluidR3 GM,
+Slap Bass 2 of freepats, tonejs-instrument-bass-electric.
 
 `distance` prints medians over the notes: of log-mel spectrograms, of levels of partials and of the ratios of the decays of
 partials from 40 to 500 ms, for the recordings that were fitted and for those that were kept.
@@ -100,6 +102,17 @@ FRET_HEADER = """\
 // the modes of an amplifier, which is so light that the string does not feel it: pickup, filter and loudspeaker in one. Fitted to
 // E2, D3, G3 and E4 of Clean Guitar of FluidR3 GM (MIT), by least squares of differences of log-mel spectrograms, partials and
 // decays: losses of the string, the places of finger and magnet, and how each mode sounds.
+"""
+BASS_USUAL = {"pickup": 0.72, **{f"cone_{f}": 1 for f in CONE}}
+BASS_BEGIN = {"pickup": 0.716, "cone_120": 0.663, "cone_250": -0.403, "cone_600": 0.159, "cone_1400": -0.169, "cone_2800": 0.106, "cone_5000": -0.0543}
+BASS_RANGES = {"pickup": (0.66, 0.83), "cone": (-8, 8)}
+BASS_HEADER = """\
+// The G string of a bass guitar, 98 Hz, over its 20 frets. Fingers press it down behind frets 2, 5, 7 and 9; a thumb hits it and
+// flies off, another finger pulls it up. The string moves towards the frets where displacements are positive.
+// Fitted by `contactspline fit` to C2, D#2, G2 and C3 of Slap Bass 1 of FluidR3 GM (MIT), with 95 % intervals: the losses (0.328 to
+// 0.510 and 2.25e-4 to 2.90e-4). By bench/guitar/make.py, to the same notes: the place of the pickup, whose magnet moves the modes of an
+// amplifier, which is so light that the string does not feel it, and how each mode sounds.
+// With `stretch` (a steel core of 0.46 mm) it takes 3.5 times as long, and its pitch falls by less than 2 cents after a pop.
 """
 HEADER = """\
 // Six nylon strings on a guitar's body, each plucked by a finger; they also sound with each other. A string runs over the saddle,
@@ -197,8 +210,29 @@ def steel_guitar(p, names=tuple(STEEL_STRINGS)):
             "input": {"force_n": "saddle", "full_scale": 10}, "keys": keys, "polyphony": 2, "damper": {"bodies": list(names), "damping_per_s": 30}}
 
 
+def amplifier(p, frequencies):
+    """Its modes, and their shapes at coil and cone."""
+    modes = [{"frequency_hz": f, "decay_per_s": number(min(0.7 * np.pi * f, 4000), 4), "mass_kg": number(1e-5 * (120 / f) ** 2, 4)} for f in frequencies]
+    return modes, [1] * len(frequencies), [number(300 * p[f"cone_{f}"]) for f in frequencies]
+
+
+def shipped(name, numbers):
+    """A file of data/instruments with other numbers, by place in it."""
+    file = json_of(Path(__file__).parents[2] / f"data/instruments/{name}.json")
+    parts = {part["name"]: part for group in ("bodies", "places", "controls") for part in file[group] if "name" in part}
+    for part, values in numbers.items():
+        parts[part].update(values)
+    return file
+
+
+def slap_bass(p, _=None):
+    modes, coil, cone = amplifier(p, CONE)
+    return shipped("slap_bass", {"pickup": {"position_m": number(p["pickup"])}, "amplifier": {"modes": modes},
+                                 "coil": {"shapes": coil}, "cone": {"shapes": cone}})
+
+
 def fret_guitar(p, _=None):
-    modes = [{"frequency_hz": f, "decay_per_s": number(min(0.7 * np.pi * f, 4000), 4), "mass_kg": number(1e-5 * (120 / f) ** 2, 4)} for f in CONE]
+    modes, coil, cone = amplifier(p, CONE)
     return {"name": "fret_guitar", "description": "guitar string that buzzes on a fret",
             "bodies": [{"name": "string", "string": {"length_m": 0.648, "mass_kg": 0.00243374, "tension_n": 136, "bending_stiffness_n_m2": 0.000251327,
                                                      "constant_loss_per_s": number(p["constant"]), "quadratic_loss_m2_per_s": number(p["quadratic"])},
@@ -206,8 +240,8 @@ def fret_guitar(p, _=None):
                        {"name": "amplifier", "modes": modes}],
             "places": [{"name": "plucked", "body": "string", "position_m": number(p["plucked"])}, {"name": "over_fret", "body": "string", "position_m": 0.635},
                        {"name": "over_magnet", "body": "string", "position_m": number(p["magnet"])},
-                       {"name": "coil", "body": "amplifier", "shapes": [1] * len(CONE)},
-                       {"name": "cone", "body": "amplifier", "shapes": [number(300 * p[f"cone_{f}"]) for f in CONE]}],
+                       {"name": "coil", "body": "amplifier", "shapes": coil},
+                       {"name": "cone", "body": "amplifier", "shapes": cone}],
             "contacts": [{"name": "fret", "between": ["over_fret", "ground"], "material": "steel_on_steel", "gap_m": 2e-05}],
             "springs": [{"name": "magnet", "between": ["over_magnet", "coil"], "stiffness_n_per_m": 0.001}],
             "controls": [{"name": "fret", "place_m": "over_fret", "min": 0.02, "max": 0.64},
@@ -230,6 +264,9 @@ GUITARS = {
     "fret_guitar": {"of": fret_guitar, "strings": {key: () for key in (40, 50, 55, 64)}, "usual": FRET_USUAL, "begin": FRET_BEGIN, "ranges": FRET_RANGES,
                     "about": FRET_HEADER, "events": [{"time_s": 0, "fret_gap_shift_m": 0.005}], "velocity": 1, "inharmonicity": INHARMONICITY, "seconds": 1.2, "top": 10000, "tops": {}, "prior": 0.05, "loudness": 0,
                     "compared": []},
+    "slap_bass": {"of": slap_bass, "strings": {key: () for key in (36, 39, 43, 48)}, "usual": BASS_USUAL, "begin": BASS_BEGIN, "ranges": BASS_RANGES,
+                  "about": BASS_HEADER, "events": [], "velocity": 0.8, "inharmonicity": dict.fromkeys((36, 39, 43, 48), 2.8e-5), "seconds": 2.6, "top": 10000, "tops": {}, "prior": 0.05,
+                  "loudness": 0, "compared": []},
     "steel_guitar": {"of": steel_guitar, "strings": {of[0]: (name,) for name, of in STEEL_STRINGS.items()}, "usual": STEEL_USUAL, "begin": STEEL_BEGIN,
                      "ranges": {**RANGES, "constant": (0.05, 4), "low_mass": (0.4, 10), "heard": (0.02, 50)}, "about": STEEL_HEADER, "events": [], "velocity": 1, "inharmonicity": {of[0]: of[3] for of in STEEL_STRINGS.values()},
                      "seconds": 1.8, "top": 12000, "tops": {}, "prior": 0.5, "loudness": 1,

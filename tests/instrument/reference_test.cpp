@@ -47,7 +47,7 @@ const std::map<std::string, Excitation> kExcitations = {
     {"kalimba", {R"({ "time_s": 0.1, "thumb_a4_release_n": 3 })", "bridge", 2205, 1}},
     {"marimba", {R"({ "time_s": 0.1, "mallet_ds4_speed_m_per_s": 1.2 })", "mouth_ds4", 2205, 1}},
     {"prepared_piano", {"prepared_notes", "under_bolt", 110, 1e-6}},
-    {"slap_bass", {"slap_line", "pickup", 2205, 1}},
+    {"slap_bass", {"slap_line", "pickup", 441, 1e-4}},
     {"snare", {"snare_roll", "pickup", 110, 1e-4}},
     {"steel_guitar", {R"({ "time_s": 0.1, "finger_d3_release_n": 3 })", "saddle", 2205, 1}},
     {"tanpura", {"tanpura_drone", "finger", 2205, 1e-4}},
