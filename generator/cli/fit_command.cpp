@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,6 +26,23 @@ namespace {
 struct FitOutputs {
   std::function<std::string()> text, printed;
   std::function<std::string(FigureFormat)> figure;
+};
+
+/// What a fit does, on the terminal.
+class FitProgress {
+ public:
+  void set(const std::string& what) {
+    const std::scoped_lock lock(mutex_);
+    what_ = what;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::string what_ = "fitting";
+  WaitingLine line_{[this] {
+    const std::scoped_lock lock(mutex_);
+    return what_;
+  }};
 };
 
 // Throws before the search where nothing could be written.
@@ -50,9 +68,9 @@ void write_fit(const FitOptions& options, const FitOutputs& made) {
 void fit_instrument(const FitOptions& options, const std::string& text, const ReadFile& read) {
   const RecordedInstrument recorded = parse_recorded_instrument(text, options.file, read);
   require_fit_outputs(options, recorded.files);
-  std::optional<WaitingLine> line;
-  const InstrumentFit found = fit_instrument(recorded, read, [&](const std::string& what) { line.emplace(what); });
-  line.reset();
+  std::optional<FitProgress> progress(std::in_place);
+  const InstrumentFit found = fit_instrument(recorded, read, [&](const std::string& what) { progress->set(what); });
+  progress.reset();
   write_fit(options, {[&] { return instrument_text(found, recorded, mark()); },
                       [&] { return options.json ? json_of(found, recorded) : report_of(found, recorded); },
                       [&](FigureFormat format) { return figure_of(found, recorded, format); }});

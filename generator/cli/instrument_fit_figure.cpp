@@ -15,7 +15,7 @@
 namespace contactspline {
 namespace {
 
-constexpr std::size_t kMostNotes = 6;
+constexpr std::size_t kMostNotes = 6, kMostWithTimes = 3;
 
 // Rows of frequency and of the mean level over time, below the loudest band of the recording.
 void add_bands(Data& data, const NoteImpression& impression, double loudest) {
@@ -59,9 +59,10 @@ std::string curves(const std::vector<Data>& all, const std::string& label, bool 
 }  // namespace
 
 std::string figure_of(const InstrumentFit& fit, const RecordedInstrument& recorded, FigureFormat format) {
-  const std::size_t rows = std::min(kMostNotes, fit.notes.size());
+  const std::size_t notes = std::min(kMostNotes, fit.notes.size());
+  const bool has_times = notes <= kMostWithTimes;  // else there is no room beside the bands
   std::string panels;
-  for (std::size_t n = 0; n < rows; ++n) {
+  for (std::size_t n = 0; n < notes; ++n) {
     const FittedNote& note = fit.notes[n];
     std::vector<Data> bands, times;
     const double loudest = note.recorded.loudest();
@@ -71,9 +72,10 @@ std::string figure_of(const InstrumentFit& fit, const RecordedInstrument& record
     }
     const std::string name = shown(recorded.notes[n].file) + (recorded.notes[n].is_kept ? ", kept" : "");
     panels += fmt::format("set title {} noenhanced\n", in_quotes(name));
-    panels += curves(bands, "frequency [Hz]", true) + curves(times, "time [s]", false);
+    panels += curves(bands, "frequency [Hz]", true) + (has_times ? curves(times, "time [s]", false) : "");
   }
-  const std::string layout = fmt::format("{},2 margins 0.085,0.985,0.085,0.9 spacing 0.1,0.15", rows);
+  const std::string layout =
+      fmt::format("{},2 margins 0.085,0.985,0.085,0.9 spacing 0.1,0.15", has_times ? notes : (notes + 1) / 2);
   return draw(heading(layout) + panels + "unset multiplot", recorded.file, FigureKind::kFit, format);
 }
 

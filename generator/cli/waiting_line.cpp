@@ -39,7 +39,7 @@ void WaitingLine::show() {
   std::unique_lock lock(mutex_);
   int seconds = 0;
   while (!ended_.wait_for(lock, std::chrono::seconds(1), [this] { return has_ended_; }))
-    std::fputs(fmt::format("\r{}: {} s", what_(), ++seconds).c_str(), stderr);
+    std::fputs(fmt::format("\r{}: {} s\x1b[K", what_(), ++seconds).c_str(), stderr);
   if (seconds > 0) std::fputs("\r\x1b[K", stderr);
 }
 

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include "generator/listen/note_doubts.hpp"
 #include "generator/listen/note_renderer.hpp"
@@ -135,37 +136,61 @@ std::vector<std::vector<double>> with_each_bound(const RecordedInstrument& recor
   return points;
 }
 
-// Do the notes stay as they are, far below any noise, where number i goes to its bounds?
-bool changes_nothing(std::span<const RenderedNotes> at_bounds, std::size_t i, const NotesToMatch& matched) {
+// Does a note change, not only far below any noise, where another rendering of it stands in its place?
+bool changes(const NotesToMatch& matched, std::vector<NoteImpression> notes, const Residuals& here, std::size_t n,
+             const NoteImpression& other) {
   constexpr double kLeastSquares = 1e-4;  // with scales of 3 dB
-  const auto is_like = [&](const RenderedNotes& notes) {
-    if (!notes) return false;
-    const Residuals here = residuals_of(matched, *at_bounds[0]), there = residuals_of(matched, *notes);
-    return std::transform_reduce(here.values.begin(), here.values.end(), there.values.begin(), 0.0, std::plus(),
-                                 [](double a, double b) { return (a - b) * (a - b); }) < kLeastSquares;
-  };
-  return at_bounds[0] && is_like(at_bounds[1 + 2 * i]) && is_like(at_bounds[2 + 2 * i]);
+  if (notes[n].power == other.power) return false;
+  notes[n] = other;
+  const Residuals there = residuals_of(matched, notes);
+  return std::transform_reduce(here.values.begin(), here.values.end(), there.values.begin(), 0.0, std::plus(),
+                               [](double a, double b) { return (a - b) * (a - b); }) >= kLeastSquares;
 }
 
-// Throws BadInput where no search could help: a number that changes nothing, neither at the start nor at another
-// place, and a recording of a pitch out of reach.
+// Adds the notes that change where a number goes to its bounds, or that do not play there.
+void add_effects(std::span<const RenderedNotes> at_bounds, const NotesToMatch& matched,
+                 std::vector<std::vector<bool>>& acts_on) {
+  std::optional<Residuals> here;
+  if (at_bounds[0]) here = residuals_of(matched, *at_bounds[0]);
+  for (std::size_t i = 0; i < acts_on.size(); ++i)
+    for (const RenderedNotes& there : at_bounds.subspan(1 + 2 * i, 2))
+      for (std::size_t n = 0; n < acts_on[i].size(); ++n)
+        acts_on[i][n] = acts_on[i][n] || !here || !there || changes(matched, *at_bounds[0], *here, n, (*there)[n]);
+}
+
+// Sets which numbers act on which notes, at the start or at another place. Throws BadInput where no search could
+// help: a number that acts on none, and a recording of a pitch out of reach.
 void require_fit(const RecordedInstrument& recorded, const NoteRenderer& renderer, std::span<const std::size_t> notes,
-                 const NotesToMatch& matched) {
+                 ListeningProblem& problem) {
   constexpr double kOtherPart = 0.3;
   std::vector<double> start, other;
   for (const OpenNumber& open : recorded.open) start.push_back(open.start), other.push_back(open.at(kOtherPart));
   const std::vector<RenderedNotes> at_start = renderer.render(with_each_bound(recorded, start), notes);
-  std::vector<RenderedNotes> elsewhere;
+  std::vector<std::vector<bool>> acts_on(start.size(), std::vector<bool>(notes.size()));
+  add_effects(at_start, problem.matched, acts_on);
+  const auto acts_on_all = [](const std::vector<bool>& acts) { return std::ranges::find(acts, false) == acts.end(); };
+  if (!std::ranges::all_of(acts_on, acts_on_all))
+    add_effects(renderer.render(with_each_bound(recorded, other), notes), problem.matched, acts_on);
   for (std::size_t i = 0; i < start.size(); ++i) {
-    if (!changes_nothing(at_start, i, matched)) continue;
-    if (elsewhere.empty()) elsewhere = renderer.render(with_each_bound(recorded, other), notes);
-    if (!changes_nothing(elsewhere, i, matched)) continue;
+    if (std::ranges::find(acts_on[i], true) != acts_on[i].end()) continue;
     const OpenNumber& open = recorded.open[i];
     refuse(i < recorded.open_in_text ? recorded.file : recorded.fit_file, open.key,
            fmt::format("the recorded notes do not depend on it from {} to {}", open.bounds.min, open.bounds.max),
-           fmt::format("a number in its place, such as {}", open.start));
+           fmt::format("a number in its place, such as {:.6g}", open.start));
   }
-  require_pitch_in_reach(recorded, notes, matched.recorded, at_start);
+  require_pitch_in_reach(recorded, notes, problem.matched.recorded, at_start);
+  problem.acts_on = std::move(acts_on);
+}
+
+// The best place where each note is rendered with all numbers. The search leaves those out that act on it at other
+// places alone; where that makes a difference, it goes on without.
+FoundPlaces find_best_with_all(ListeningProblem& problem, const Eigen::VectorXd& start, const Tell& tell) {
+  constexpr double kDifferent = 0.1;
+  FoundPlaces found = find_best(problem, start, tell);
+  const auto cost = [&] { return problem.with_costs({found.best.place}).front().cost; };
+  const double with_some = cost();
+  for (std::vector<bool>& acts : problem.acts_on) acts.assign(acts.size(), true);
+  return std::abs(cost() - with_some) < kDifferent ? found : find_best(problem, found.best.place, tell);
 }
 
 }  // namespace
@@ -184,12 +209,12 @@ InstrumentFit fit_instrument(const RecordedInstrument& recorded, const ReadFile&
   ListeningProblem problem(recorded, renderer, fitted, heard);
   std::vector<NoteImpression> started = renderer.render_one(problem.numbers_at(problem.start()), all);
   const auto before = distances_of(impressions, started, recorded);
-  require_fit(recorded, renderer, fitted, problem.matched);
+  require_fit(recorded, renderer, fitted, problem);
   tell("trying numbers all over their bounds");
   const Eigen::VectorXd start = find_place(problem);
-  tell("searching");
   problem.matched.scales.far_cents = kNear_cents;
-  const FoundPlaces places = find_best(problem, problem.search(start, kManySteps));
+  const FoundPlaces places =
+      find_best_with_all(problem, problem.search(start, kManySteps, problem.all_numbers()), tell);
   std::vector<NoteImpression> found = renderer.render_one(problem.numbers_at(places.best.place), all);
   const auto after = distances_of(impressions, found, recorded);
   InstrumentFit fit;

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <map>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "generator/listen/note_renderer.hpp"
@@ -26,19 +28,22 @@ struct Candidate {
 /// The notes that are fitted, as a function of places.
 class ListeningProblem {
  public:
-  using Scalar = double;
-  enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = Eigen::Dynamic };
-
   /// recorded and renderer must outlive it. notes: those of the instrument that are fitted.
   ListeningProblem(const RecordedInstrument& recorded, const NoteRenderer& renderer, std::vector<std::size_t> notes,
                    std::vector<NoteImpression> impressions);
 
   NotesToMatch matched;
+  /// Of each number and each fitted note: does the note depend on it? At first all do. A note is rendered with the
+  /// starts of the others.
+  std::vector<std::vector<bool>> acts_on;
 
-  // NOLINTBEGIN(readability-identifier-naming): names that Ceres asks for
-  [[nodiscard]] int NumResiduals() const { return static_cast<int>(count_residuals(matched)); }
-  [[nodiscard]] int NumParameters() const { return static_cast<int>(recorded_.open.size()); }
-  // NOLINTEND(readability-identifier-naming)
+  [[nodiscard]] std::size_t size() const { return recorded_.open.size(); }
+  /// Is there a note that both numbers act on?
+  [[nodiscard]] bool act_together(std::size_t one, std::size_t other) const;
+  [[nodiscard]] std::vector<std::size_t> all_numbers() const;
+  /// The numbers that act on no other notes than those that differ between two places do; all if a velocity differs.
+  [[nodiscard]] std::vector<std::size_t> numbers_between(const Eigen::VectorXd& from,
+                                                         const Eigen::VectorXd& to) const;
 
   /// How many numbers stand in the instrument's file; the others are velocities.
   [[nodiscard]] std::size_t open_in_text() const { return recorded_.open_in_text; }
@@ -46,7 +51,7 @@ class ListeningProblem {
   [[nodiscard]] Eigen::VectorXd start() const;
 
   /// Residuals at each of the places; nothing where nothing can be rendered.
-  [[nodiscard]] std::vector<std::optional<Residuals>> residuals_at(const std::vector<Eigen::VectorXd>& places) const;
+  [[nodiscard]] std::vector<std::optional<Residuals>> residuals_at(std::span<const Eigen::VectorXd> places) const;
 
   /// The places with the sums of squares there, infinite where nothing can be rendered.
   [[nodiscard]] std::vector<Candidate> with_costs(const std::vector<Eigen::VectorXd>& places) const;
@@ -58,19 +63,22 @@ class ListeningProblem {
   [[nodiscard]] Eigen::MatrixXd slopes(const Eigen::VectorXd& at,
                                        std::span<const std::optional<Residuals>> beside) const;
 
-  /// As Ceres asks, with forward differences.
-  bool operator()(const double* parameters, double* residuals, double* jacobian) const;
-
-  /// Where the method of Levenberg and Marquardt gets to in so many steps.
-  [[nodiscard]] Eigen::VectorXd search(Eigen::VectorXd from, int max_steps) const;
+  /// Where the method of Levenberg and Marquardt gets to in so many steps of these numbers, with forward differences.
+  [[nodiscard]] Eigen::VectorXd search(const Eigen::VectorXd& from, int max_steps,
+                                       const std::vector<std::size_t>& numbers) const;
 
   /// Sets the scales by the residuals at a place, and searches from there; twice.
   [[nodiscard]] Eigen::VectorXd settle(Eigen::VectorXd at);
 
  private:
+  using Known = std::map<std::pair<std::size_t, std::vector<double>>, std::optional<NoteImpression>>;
+
+  [[nodiscard]] std::vector<RenderedNotes> rendered_at(std::span<const Eigen::VectorXd> places) const;
+
   const RecordedInstrument& recorded_;
   const NoteRenderer& renderer_;
   std::vector<std::size_t> notes_;
+  mutable Known known_;  ///< what was rendered of late: of a fitted note with these numbers
 };
 
 }  // namespace contactspline

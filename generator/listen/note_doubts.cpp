@@ -97,7 +97,7 @@ void require_pitch(const RecordedNote& note, const Partials& theirs, const Parti
          fmt::format("the strong partials begin at {:.5g} Hz{}, those of key {} within the bounds at {:.5g}{} Hz",
                      found_hz, may_be_hum(found_hz) ? " (hum?)" : "", note.key, low_hz,
                      high_hz > 1.001 * low_hz ? fmt::format(" to {:.5g}", high_hz) : ""),
-         "a recording of this key, or wider bounds");
+         "a recording of this key alone, or wider bounds");
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <filesystem>
+#include <map>
 #include <thread>
 
 #include "contactspline/host/any_instrument.hpp"
@@ -61,11 +62,13 @@ NoteImpression play(const InstrumentMaker& maker, const RecordedInstrument& reco
                     const std::vector<double>& point) {
   const double rate_hz = note.recording.sample_rate_hz;
   const double velocity = note.open_velocity ? point[*note.open_velocity] : note.velocity;
+  const double recorded_s = static_cast<double>(note.recording.samples.size()) / rate_hz;
+  const double seconds = std::min(recorded.seconds, recorded_s);
   for (const double wait_s : kWaits_s) {
-    const std::vector<double> samples = samples_of(maker, recorded, note, velocity, wait_s + recorded.seconds);
+    const std::vector<double> samples = samples_of(maker, recorded, note, velocity, wait_s + seconds);
     const bool sounds = std::ranges::any_of(samples, [](double sample) { return sample != 0; });
     if (sounds && onset_of(samples, rate_hz) <= wait_s)
-      return impression_of(samples, rate_hz, recorded.seconds, kDepth_db, kMaxPartials);
+      return impression_of(samples, rate_hz, seconds, kDepth_db, kMaxPartials);
   }
   refuse(recorded.file, "outputs", fmt::format("key {} of {} is silent for {} s", note.key, note.file, kWaits_s[2]),
          "an output that sounds, a shorter way to it");
@@ -86,25 +89,36 @@ NoteRenderer::NoteRenderer(const RecordedInstrument& recorded, const ReadFile& r
       }),
       materials_(std::make_unique<DesignedMaterials>(read_)) {}
 
-std::vector<RenderedNotes> NoteRenderer::render(std::span<const std::vector<double>> points,
-                                                std::span<const std::size_t> notes) const {
-  std::vector<std::optional<InstrumentMaker>> makers(points.size());
+std::vector<std::optional<NoteImpression>> NoteRenderer::render(std::span<const NoteToRender> notes) const {
+  std::map<std::vector<double>, std::optional<InstrumentMaker>> makers;
+  for (const NoteToRender& note : notes) makers.try_emplace(note.point);
+  std::vector<decltype(makers)::iterator> points;
+  for (auto at = makers.begin(); at != makers.end(); ++at) points.push_back(at);
   run_on_all_cores(points.size(), [&](std::size_t p) {
     try {
-      makers[p] = maker_of(recorded_, read_, *materials_, points[p]);
+      points[p]->second = maker_of(recorded_, read_, *materials_, points[p]->first);
     } catch (const BadInput&) {
     }
   });
-  std::vector<std::optional<NoteImpression>> impressions(points.size() * notes.size());
-  run_on_all_cores(impressions.size(), [&](std::size_t i) {
-    const std::size_t p = i / notes.size();
-    if (!makers[p]) return;
+  std::vector<std::optional<NoteImpression>> impressions(notes.size());
+  run_on_all_cores(notes.size(), [&](std::size_t i) {
+    const auto& maker = makers.at(notes[i].point);
+    if (!maker) return;
     try {
-      impressions[i] = play(*makers[p], recorded_, recorded_.notes[notes[i % notes.size()]], points[p]);
+      impressions[i] = play(*maker, recorded_, recorded_.notes[notes[i].note], notes[i].point);
     } catch (const BadInput&) {
     } catch (const NotFinite&) {
     }
   });
+  return impressions;
+}
+
+std::vector<RenderedNotes> NoteRenderer::render(std::span<const std::vector<double>> points,
+                                                std::span<const std::size_t> notes) const {
+  std::vector<NoteToRender> all;
+  for (const std::vector<double>& point : points)
+    for (const std::size_t note : notes) all.push_back({note, point});
+  std::vector<std::optional<NoteImpression>> impressions = render(all);
   std::vector<RenderedNotes> rendered(points.size());
   for (std::size_t p = 0; p < points.size(); ++p) {
     const auto of_point = std::span(impressions).subspan(p * notes.size(), notes.size());

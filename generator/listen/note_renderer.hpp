@@ -17,13 +17,21 @@ namespace contactspline {
 /// them.
 using RenderedNotes = std::optional<std::vector<NoteImpression>>;
 
+/// A note of the instrument, and the numbers in place of the open ones.
+struct NoteToRender {
+  std::size_t note;
+  std::vector<double> point;
+};
+
 class NoteRenderer {
  public:
   /// Both must outlive it.
   NoteRenderer(const RecordedInstrument& recorded, const ReadFile& read);
 
-  /// The impressions of these notes with each of the points, on all cores. A point has a number for each open one.
-  /// Notes have the rate of their recording.
+  /// The impression of each, on all cores, at the rate of its recording; nothing where it cannot be made or played.
+  [[nodiscard]] std::vector<std::optional<NoteImpression>> render(std::span<const NoteToRender> notes) const;
+
+  /// The impressions of these notes with each of the points.
   [[nodiscard]] std::vector<RenderedNotes> render(std::span<const std::vector<double>> points,
                                                   std::span<const std::size_t> notes) const;
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "generator/listen/place_search.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -90,7 +92,7 @@ AlongNumbers along_each(const ListeningProblem& problem, const Candidate& from) 
   return along;
 }
 
-// Where each two of these numbers move at once.
+// Where each two of these numbers move at once, if a note tells of both.
 std::vector<Candidate> along_pairs(const ListeningProblem& problem, const Candidate& from,
                                    const std::vector<Eigen::Index>& loose) {
   constexpr std::size_t kEach = 32, kMost = 640;
@@ -98,11 +100,17 @@ std::vector<Candidate> along_pairs(const ListeningProblem& problem, const Candid
   for (std::size_t k = 1; k <= kEach; ++k)
     for (std::size_t i = 0; i < loose.size(); ++i)
       for (std::size_t j = 0; j < i && places.size() < kMost; ++j) {
+        if (!problem.act_together(static_cast<std::size_t>(loose[i]), static_cast<std::size_t>(loose[j]))) continue;
         places.push_back(from.place);
         places.back()[loose[i]] = place_of(halton(k, 2));
         places.back()[loose[j]] = place_of(halton(k, 3));
       }
   return problem.with_costs(places);
+}
+
+// Do no numbers of two places differ by this part of the way between their bounds or more?
+bool is_within(const Eigen::VectorXd& one, const Eigen::VectorXd& other, double part) {
+  return (one.unaryExpr(&part_at) - other.unaryExpr(&part_at)).cwiseAbs().maxCoeff() < part;
 }
 
 // The best of these that are not near a better one, nor, unless they are better, where the search is.
@@ -112,22 +120,29 @@ std::vector<Eigen::VectorXd> best_apart(std::vector<Candidate> candidates, const
   std::ranges::sort(candidates, {}, &Candidate::cost);
   std::vector<Eigen::VectorXd> best;
   for (const Candidate& candidate : candidates) {
-    const auto is_near = [&](const Eigen::VectorXd& other) {
-      return (candidate.place.unaryExpr(&part_at) - other.unaryExpr(&part_at)).cwiseAbs().maxCoeff() < kApart;
-    };
+    const auto is_near = [&](const Eigen::VectorXd& other) { return is_within(candidate.place, other, kApart); };
     if (candidate.cost >= at.cost && is_near(at.place)) continue;
     if (best.size() < kTried && std::ranges::none_of(best, is_near)) best.push_back(candidate.place);
   }
   return best;
 }
 
-// Where searches get to from the best of places along one or two numbers, and from those near by beyond a rise.
-std::vector<Candidate> others_than(const ListeningProblem& problem, const Candidate& at) {
+// Where searches get to from the best of places along one or two numbers, and from those near by beyond a rise: at
+// first of the numbers that act on the same notes alone, then, where that led to another place worth it, of all.
+std::vector<Candidate> others_than(const ListeningProblem& problem, const Candidate& at, const Tell& tell) {
+  constexpr double kWorth = 30, kSame = 0.002;  // of the way between bounds
   AlongNumbers along = along_each(problem, at);
   std::ranges::move(along_pairs(problem, at, along.loose), std::back_inserter(along.all));
   std::vector<Eigen::VectorXd> from = best_apart(std::move(along.all), at), found;
   for (const Candidate& valley : along.valleys) from.push_back(valley.place);
-  for (const Eigen::VectorXd& place : from) found.push_back(problem.search(place, kFewSteps));
+  for (const Eigen::VectorXd& place : from) {
+    tell(fmt::format("place {} of {}", found.size() + 1, from.size()));
+    const std::vector<std::size_t> numbers = problem.numbers_between(at.place, place);
+    found.push_back(problem.search(place, kFewSteps, numbers));
+    if (numbers.size() == problem.size() || is_within(found.back(), at.place, kSame)) continue;
+    if (problem.with_costs({found.back()}).front().cost < at.cost + kWorth)
+      found.back() = problem.search(found.back(), kFewSteps, problem.all_numbers());
+  }
   return problem.with_costs(found);
 }
 
@@ -137,20 +152,26 @@ Eigen::VectorXd find_place(const ListeningProblem& problem) {
   constexpr std::size_t kBest = 2;
   std::vector<Eigen::VectorXd> places = scattered(problem.open_in_text(), problem.start());
   std::vector<Candidate> candidates = problem.with_costs(places);
-  std::vector<Eigen::VectorXd> found{problem.search(places[0], kFewSteps)};
+  const std::vector<std::size_t> all = problem.all_numbers();
+  std::vector<Eigen::VectorXd> found{problem.search(places[0], kFewSteps, all)};
   std::ranges::sort(candidates, {}, &Candidate::cost);
   candidates.resize(std::min(kBest, candidates.size()));
-  for (const Candidate& candidate : candidates) found.push_back(problem.search(candidate.place, kFewSteps));
+  for (const Candidate& candidate : candidates) found.push_back(problem.search(candidate.place, kFewSteps, all));
   return std::ranges::min(problem.with_costs(found), {}, &Candidate::cost).place;
 }
 
-FoundPlaces find_best(ListeningProblem& problem, const Eigen::VectorXd& start) {
+FoundPlaces find_best(ListeningProblem& problem, const Eigen::VectorXd& start, const Tell& tell) {
   constexpr int kTimes = 6;
   constexpr double kLower = 0.1;
   FoundPlaces found{{0, start}, {}};
   for (int time = 0; time < kTimes; ++time) {
+    const auto tell_round = [&](const std::string& what) {
+      tell(fmt::format("searching, round {} of {} at most: {}", time + 1, kTimes, what));
+    };
+    tell_round("down");
     found.best = problem.with_costs({problem.settle(found.best.place)}).front();
-    found.others = others_than(problem, found.best);
+    tell_round("along each number");
+    found.others = others_than(problem, found.best, tell_round);
     const auto best = std::ranges::min_element(found.others, {}, &Candidate::cost);
     if (best == found.others.end() || best->cost > found.best.cost - kLower) break;
     found.best = *best;

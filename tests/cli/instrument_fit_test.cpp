@@ -146,6 +146,41 @@ TEST(FitOfAnInstrument, LeavesHumOut) {
   EXPECT_EQ(fit.at("doubts"), nlohmann::json::array());
 }
 
+// The second channel is the first times a gain.
+void write_channels(const fs::path& path, const std::vector<double>& samples, double gain) {
+  SndfileHandle file(path.string(), SFM_WRITE, SF_FORMAT_WAV | SF_FORMAT_PCM_16, 2, kRate);
+  std::vector<double> frames;
+  for (const double sample : samples) frames.insert(frames.end(), {sample, gain * sample});
+  ASSERT_EQ(file.writef(frames.data(), std::ssize(samples)), std::ssize(samples));
+}
+
+// Of a recording that ends before the seconds that are asked for, too.
+TEST(FitOfAnInstrument, HearsOneDeadChannel) {
+  const Sandbox box;
+  record(box, with_open_weight(0.001));
+  write_channels(box / "note_0.wav", read_sound(box / "note_0.wav").samples, 0);
+  std::string file = read_file(box / "my.fit.json");
+  write_file(box / "my.fit.json", file.replace(file.find("\"seconds\": 0.5"), 14, "\"seconds\": 9"));
+  const auto fit = nlohmann::json::parse(succeed(fitted(box)));
+  EXPECT_NEAR(fit.at("estimates").at("contacts[0].weight").at("value").get<double>(), 0.5, 0.02);
+  EXPECT_EQ(fit.at("doubts"), nlohmann::json::array());
+}
+
+// The same pluck, in one of them with another loss.
+TEST(FitOfAnInstrument, DoubtsNotesThatContradict) {
+  const Sandbox box;
+  Known known = with_open_weight(0.001);
+  known.notes = {{69, 0.5}, {69, 0.5}};
+  record(box, known);
+  std::vector<double> samples = read_sound(box / "note_0.wav").samples;
+  for (std::size_t i = 0; i < samples.size(); ++i) samples[i] *= std::exp(-8 * double(i) / kRate);
+  write_sound(box / "note_0.wav", samples, kRate);
+  const auto fit = nlohmann::json::parse(succeed(fitted(box)));
+  ASSERT_EQ(fit.at("doubts").size(), 2) << fit;
+  for (const auto& doubt : fit.at("doubts"))
+    EXPECT_NE(doubt.get<std::string>().find(".wav: the instrument does not explain it: "), std::string::npos);
+}
+
 TEST(FitOfAnInstrument, TellsWhatTheInstrumentDoesNotExplain) {
   const Sandbox box;
   record(box, with_open_weight(0.001));
@@ -233,6 +268,9 @@ std::vector<Bad> bad_fits() {
        "sine.wav: samples: the strong partials begin at 1234 Hz, those of key 69 ", "wider bounds"},
       {"click_before", of_file("click.wav"), "click.wav: samples: something sounds 0.21 s before the note",
        "without what is before it"},
+      {"no_number", of_file("nan.wav"), "nan.wav: samples: some of them are no numbers", "finite samples"},
+      {"two_samples", of_file("two.wav"), "two.wav: samples: end less than 0.05 s", "0.1 s or more"},
+      {"longer_than_allowed", fit_of(good, R"(, "seconds": 60)"), fit + "seconds: 60 is out of range", "0.1 to 10"},
       {"antiphase", of_file("antiphase.wav"), "antiphase.wav: channels: they cancel", "one of the channels"},
       {"constant", of_file("constant.wav"), "constant.wav: samples: the recording is silent", "a struck note"},
       {"no_velocity", fit_of(R"("file": "sine.wav", "key": 69)"),
@@ -283,11 +321,10 @@ std::vector<Bad> bad_fits() {
       {"instrument_is_no_json", fit_of(good), "open.json: ", "", "name"}};
 }
 
-void write_antiphase(const fs::path& path, const std::vector<double>& samples) {
-  SndfileHandle file(path.string(), SFM_WRITE, SF_FORMAT_WAV | SF_FORMAT_PCM_16, 2, kRate);
-  std::vector<double> frames;
-  for (const double sample : samples) frames.insert(frames.end(), {sample, -sample});
-  ASSERT_EQ(file.writef(frames.data(), std::ssize(samples)), std::ssize(samples));
+void write_nan(const fs::path& path, std::vector<double> samples) {
+  samples[100] = std::nan("");
+  SndfileHandle file(path.string(), SFM_WRITE, SF_FORMAT_WAV | SF_FORMAT_FLOAT, 1, kRate);
+  ASSERT_EQ(file.write(samples.data(), std::ssize(samples)), std::ssize(samples));
 }
 
 class BadFitOfAnInstrument : public ::testing::TestWithParam<Bad> {};
@@ -309,7 +346,9 @@ TEST_P(BadFitOfAnInstrument, IsRefusedInOneLineAndNothingIsWritten) {
   write_sound(box / "click.wav", click, kRate);
   write_sound(box / "constant.wav", std::vector<double>(sine.size(), 0.25), kRate);
   write_sound(box / "three.wav", sine, kRate, 3);
-  write_antiphase(box / "antiphase.wav", sine);
+  write_channels(box / "antiphase.wav", sine, -1);
+  write_sound(box / "two.wav", {0.1, 0.2}, kRate);
+  write_nan(box / "nan.wav", sine);
   write_sound(box / "slow.wav", sine, 100);
   write_sound(box / "silent.wav", std::vector<double>(sine.size()), kRate);
   write_sound(box / "short.wav", std::vector<double>(sine.begin(), sine.begin() + 400), kRate);
