@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Makes the data of docs/how-to/fit.md: simulated measurements of materials whose parameters are known.
+"""Makes the data of docs/how-to/fit.md and own-instrument.md: simulated measurements whose parameters are known.
 
-    python3 make_data.py FOLDER
+    python3 make_data.py FOLDER [PROGRAM]
 
 felt_*.csv: the C4 hammer of Chaigne and Askenfelt (J. Acoust. Soc. Am. 95, 1994), mass 2.97 g, F = 4.5e9 y^2.5, thrown
 at a rigid force sensor at five speeds; sampled at 44.1 kHz with noise of 1 % of the largest force. The publication
@@ -13,19 +13,43 @@ law, F = 4.903e5 y^1.5, from nominal elastic constants; contact times with noise
 mallet_*.wav: a mallet of 32 g with a rubber head, F = 8e8 y^1.8, strikes the bar that data/resonators/marimba_c4.json
 describes, in its middle, at five speeds; what an accelerometer at its end records at 44.1 kHz, with noise 70 dB below
 the loudest sample. Mallet and noise are our choice.
+kalimba_*.wav, if PROGRAM is given, the path of contactspline: it renders kalimba.json with TINES and BOX in place of the
+open numbers, at other velocities and levels; then come a room of 0.2 s and noise, both 50 dB softer. All are our choice.
 """
 import cmath
 import json
 import math
 import pathlib
 import random
+import re
 import struct
+import subprocess
 import sys
+import tempfile
 import wave
 
 FELT = {"mass": 2.97e-3, "stiffness": 4.5e9, "exponent": 2.5, "loss": 0.12}
 BALL = {"mass": 9e-3, "stiffness": 4.903e5, "exponent": 1.5, "loss": 0.1}
 MALLET = {"mass": 32e-3, "stiffness": 8e8, "exponent": 1.8}
+
+# Cents from the key, decay of the tine, ratio and decay of its overtone, its shape at the foot.
+TINES = {
+    60: (-14, 3.1, 5.72, 24, 0.034),
+    64: (9, 3.9, 5.95, 31, 0.022),
+    67: (-5, 5.2, 6.18, 38, 0.041),
+    72: (17, 6.6, 5.83, 52, 0.019),
+    76: (-22, 8.3, 6.05, 60, 0.027),
+}
+BOX = [30, 50]  # how loud its modes are
+# Key, velocity and peak of each recording.
+PLUCKS = {
+    "c4": (60, 0.6, 0.5),
+    "e4": (64, 0.8, 0.7),
+    "g4": (67, 0.5, 0.4),
+    "c5": (72, 0.9, 0.8),
+    "e5": (76, 0.7, 0.3),
+    "g4_again": (67, 0.8, 0.45),
+}
 
 
 def motion(material, speed, step):
@@ -130,8 +154,54 @@ def mallet(folder):
             file.writeframes(struct.pack(f"<{len(words)}h", *words))
 
 
+def kalimba_numbers():
+    """The true ones in the order in which kalimba.json leaves them open."""
+    for key, (cents, decay, ratio, overtone_decay, _) in TINES.items():
+        frequency = 440 * 2 ** ((key - 69) / 12 + cents / 1200)
+        yield from (frequency, decay, ratio * frequency, overtone_decay)
+    yield from (shape for _, _, _, _, shape in TINES.values())
+    yield from BOX
+
+
+def in_a_room(samples, rate):
+    """With noise, both 50 dB softer than the note."""
+    softer, length, every = 10 ** (-50 / 20), rate // 5, 16
+    echoes = [(i, random.gauss(0, 1) * 10 ** (-3 * i / length)) for i in range(0, length, every)]
+    norm, peak = math.sqrt(sum(level**2 for _, level in echoes)), max(map(abs, samples))
+    heard = [sample + random.gauss(0, softer * peak) for sample in samples]
+    for delay, level in echoes:
+        for i in range(delay, len(heard)):
+            heard[i] += softer * level / norm * samples[i - delay]
+    return heard
+
+
+def kalimba(folder, program):
+    rate, here = 22050, pathlib.Path(__file__).parent
+    numbers = kalimba_numbers()
+    instrument = re.sub(r'\{ "fit": \[.*?\] \}', lambda _: str(next(numbers)), (here / "kalimba.json").read_text())
+    for name, (key, velocity, loudest) in PLUCKS.items():
+        with tempfile.TemporaryDirectory() as scratch:
+            pluck = {"time_s": 0.15, "key": key, "velocity": velocity}
+            score = {"instrument": "true.json", "duration_s": 0.7, "events": [pluck]}
+            (pathlib.Path(scratch) / "true.json").write_text(instrument)
+            (pathlib.Path(scratch) / "note.json").write_text(json.dumps(score))
+            arguments = ["note.json", "--rate", str(rate), "--bits", "16", "--no-figure", "-o", "note.wav"]
+            subprocess.run([program, "render", *arguments], cwd=scratch, check=True, stdout=subprocess.DEVNULL)
+            with wave.open(f"{scratch}/note.wav") as file:
+                count = file.getnframes()
+                heard = in_a_room(struct.unpack(f"<{count}h", file.readframes(count)), rate)
+        gain = 32767 * loudest / max(map(abs, heard))
+        with wave.open(str(folder / f"kalimba_{name}.wav"), "wb") as file:
+            file.setnchannels(1)
+            file.setsampwidth(2)
+            file.setframerate(rate)
+            file.writeframes(struct.pack(f"<{count}h", *(round(gain * sample) for sample in heard)))
+
+
 if __name__ == "__main__":
     random.seed(1994)
     felt(pathlib.Path(sys.argv[1]))
     rubber_ball(pathlib.Path(sys.argv[1]))
     mallet(pathlib.Path(sys.argv[1]))
+    if len(sys.argv) > 2:
+        kalimba(pathlib.Path(sys.argv[1]), sys.argv[2])

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: MIT
-// docs/how-to/fit.md and the data of its tutorials in examples/fit: the page shows them as they are, they lead to the
-// parameters that they were made from, and make_data.py makes them again.
+// docs/how-to/fit.md, own-instrument.md and the data of their tutorials in examples/fit: the pages show them as they
+// are, they lead to the parameters that they were made from, and make_data.py makes them again.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "program.hpp"
 #include "sandbox.hpp"
@@ -61,15 +65,15 @@ TEST(FitTutorials, FindTheTineFromItsNotes) {
 
 TEST(FitTutorials, HaveTheDataOfTheirScript) {
   const Sandbox box;
-  const std::string command =
-      "/usr/bin/python3 '" + (kExamples / "make_data.py").string() + "' '" + box.path().string() + "'";
+  const std::string command = "/usr/bin/python3 '" + (kExamples / "make_data.py").string() + "' '" +
+                              box.path().string() + "' '" + kProgram + "'";
   ASSERT_EQ(std::system(command.c_str()), 0);
   int files = 0;
   for (const auto& entry : fs::directory_iterator(box.path())) {
     ++files;
     EXPECT_EQ(read_file(entry.path()), read_file(kExamples / entry.path().filename())) << entry.path().filename();
   }
-  EXPECT_EQ(files, 11);
+  EXPECT_EQ(files, 17);
 }
 
 // The lines of an excerpt are lines of the whole, in their order. A line of three dots stands for others.
@@ -97,7 +101,7 @@ TEST(FitPage, TellsExcerptsFromOtherText) {
 TEST(FitPage, ShowsFilesAndReportsAsTheyAre) {
   const std::string page = read_file(fs::path(SOURCE_FOLDER) / "docs/how-to/fit.md"), fence = "```text\n";
   std::size_t at = 0;
-  for (const char* name : {"felt", "rubber_ball", "mallet", "tine"}) {
+  for (const char* name : {"felt", "rubber_ball", "mallet"}) {
     const fs::path file = kExamples / (std::string(name) + ".fit.json");
     EXPECT_NE(page.find("```json\n" + read_file(file) + "```"), std::string::npos) << name;
     at = page.find(fence, at);
@@ -107,6 +111,100 @@ TEST(FitPage, ShowsFilesAndReportsAsTheyAre) {
         is_excerpt(page.substr(at, page.find("```", at) - at), succeed({.arguments = {"fit", file.string()}})))
         << name;
   }
+}
+
+// The commands of a page, without their comments.
+std::vector<Words> commands_of(const std::string& page) {
+  std::istringstream lines(page);
+  std::vector<Words> commands;
+  for (std::string line, word; std::getline(lines, line);) {
+    if (!line.starts_with("    contactspline ")) continue;
+    commands.emplace_back();
+    std::istringstream words(line);
+    for (words >> word; words >> word && word != "#";) commands.back().push_back(word);
+  }
+  return commands;
+}
+
+// The text in the fence of a page that holds these words.
+std::string fence_with(const std::string& page, const std::string& text) {
+  const std::size_t at = page.find(text), begin = page.rfind("```text\n", at) + 8;
+  return page.substr(begin, page.find("```", at) - begin);
+}
+
+/// A line of a report.
+struct Found {
+  double value, low, high;
+};
+
+Found found_in(const std::string& report, const std::string& open) {
+  Found found{};
+  const std::size_t at = report.find("  " + open + " ");
+  if (at == std::string::npos || std::sscanf(report.c_str() + at + 2 + open.size(), "%lf; 95 %% interval %lf to %lf",
+                                             &found.value, &found.low, &found.high) != 3)
+    ADD_FAILURE() << open << " is not in\n" << report;
+  return found;
+}
+
+void expect_kalimba(const std::string& report) {
+  const auto expect = [&](const std::string& open, double truth, double error) {
+    const auto [value, low, high] = found_in(report, open);
+    EXPECT_TRUE(low <= truth && truth <= high) << open << " " << truth;
+    EXPECT_NEAR(value / truth, 1, error) << open;
+  };
+  // TINES and BOX of make_data.py.
+  const double tines[][6] = {{60, -14, 3.1, 5.72, 24, 0.034},
+                             {64, 9, 3.9, 5.95, 31, 0.022},
+                             {67, -5, 5.2, 6.18, 38, 0.041},
+                             {72, 17, 6.6, 5.83, 52, 0.019},
+                             {76, -22, 8.3, 6.05, 60, 0.027}};
+  for (int i = 0; i < 5; ++i) {
+    const auto& [key, cents, decay, ratio, overtone_decay, shape] = tines[i];
+    const double hz = 440 * std::exp2((key - 69) / 12 + cents / 1200);
+    const std::string tine = fmt::format("bodies[{}].modes", i);
+    expect(tine + "[0].frequency_hz", hz, 1e-3);
+    expect(tine + "[0].decay_per_s", decay, 0.03);
+    expect(tine + "[1].frequency_hz", ratio * hz, 1e-3);
+    expect(tine + "[1].decay_per_s", overtone_decay, 0.05);
+    expect(fmt::format("places[{}].shapes[1]", 1 + 2 * i), shape, 0.15);
+  }
+  expect("places[11].shapes[0]", 30, 0.1);
+  expect("places[11].shapes[1]", 50, 0.2);
+}
+
+// A MIDI file that plays these keys one after the other.
+std::string song_of(int first, int last) {
+  using namespace std::string_literals;
+  std::string track;
+  for (int key = first; key <= last; ++key)
+    for (const char* event : {"\x10\x90", "\x20\x80"}) track += event + std::string{static_cast<char>(key), 100};
+  track += "\0\xff\x2f\0"s;
+  return "MThd\0\0\0\6\0\0\0\1\0\x60MTrk\0\0\0"s + static_cast<char>(track.size()) + track;
+}
+
+// Word for word. The numbers of make_data.py are in the intervals, and every key plays.
+TEST(OwnInstrumentPage, MakesTheKalimba) {
+  const std::string page = read_file(fs::path(SOURCE_FOLDER) / "docs/how-to/own-instrument.md");
+  const Sandbox box;
+  for (const auto& entry : fs::directory_iterator(kExamples))
+    if (entry.path().filename().string().starts_with("kalimba")) fs::copy(entry.path(), box.path());
+  write_file(box / "song.mid", song_of(57, 79));
+  std::string report;
+  for (Words& words : commands_of(page)) {
+    if (words.front() == "plugin") words.emplace_back("--no-build");
+    const std::string out = succeed(run({.arguments = words, .folder = box.path()}));
+    if (words.front() == "fit") report = out;
+  }
+  EXPECT_TRUE(is_excerpt(fence_with(page, "95 %"), report)) << report;
+  const std::string open = read_file(box / "kalimba.json"), fit = read_file(box / "kalimba.fit.json");
+  EXPECT_NE(open.find(fence_with(page, "tine_c4")), open.npos);
+  EXPECT_NE(fit.find(fence_with(page, "\"file\"")), fit.npos);
+  expect_kalimba(report);
+  for (const char* output : {"song.wav", "my_kalimba.svg", "midi.wav", "my_plugin"})
+    EXPECT_TRUE(fs::exists(box / output)) << output;
+  const std::string inspected = succeed(run({.arguments = {"inspect", "my_kalimba.json"}, .folder = box.path()}));
+  for (const char* keys : {"57 to 61 ", "62 to 65 ", "66 to 69 ", "70 to 74 ", "75 to 79 "})
+    EXPECT_NE(inspected.find(keys), inspected.npos) << keys;
 }
 
 }  // namespace
