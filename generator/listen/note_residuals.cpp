@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t kBandsOfGroup = 4;
 constexpr double kTogether = 8;  // levels that tell as much as an independent one: windows and bands overlap
 constexpr double kFirst_db = 3;
-constexpr double kLeast_db = 0.1, kMost_db = 30, kLeastCents = 0.3;  // no scale is less or more
+constexpr double kLeast_db = 0.1, kMost_db = 30, kLeastCents = 0.03;  // no scale is less or more
 
 double level_residual(double scales, double far) {
   return scales / std::pow(1 + scales * scales / (far * far), 0.25);
