@@ -4,24 +4,29 @@
 
     make.py write INSTRUMENT FILE
     make.py fit PROGRAM INSTRUMENT RECORDINGS FILE
+    make.py strings RECORDINGS
     make.py distance PROGRAM FILE FITTED KEPT
 
-PROGRAM is contactspline; INSTRUMENT is classical_guitar, steel_guitar, fret_guitar or slap_bass. RECORDINGS, FITTED and KEPT hold
-SOURCE/KEY.wav, single notes of open strings at 44.1 kHz under their keys of MIDI. `write` writes FILE from the numbers below, `fit` from
-those that it finds and prints. It searches by least squares from where a search ended: of the classical guitar forces of the fingers,
-masses, decays and shapes of the body's modes and how strongly they sound outside, above 1.3 kHz a curve over the frequency; of the steel
-guitar losses and where the strings are plucked, too, but no shapes, and a curve from 600 Hz on; of the fret guitar losses, where it is
-plucked and where its magnet is, and how the modes of the amplifier sound; of the slap bass the place of its magnet and these modes. What
-is made small is that of bench/strings.py and, for all keys of the classical guitar and many of the steel guitar, how much louder they are
-than the mean of them, less the median of that over the sources [dB(A)], between the keys that were recorded on a line. Notes of the
-classical guitar are those of linear.py. A decay of up to four times that of a usual body keeps keys beside a mode of it as loud as others,
-and in tune. The fret guitar's string is plucked as fast on all keys.
+PROGRAM is contactspline; INSTRUMENT is classical_guitar, steel_guitar, fret_guitar, slap_bass or lap_steel. RECORDINGS, FITTED and KEPT
+hold SOURCE/KEY.wav, single notes of open strings at 44.1 kHz under their keys of MIDI. `write` writes FILE from the numbers below, `fit`
+from those that it finds and prints. It searches by least squares from where a search ended: of the classical guitar forces of the
+fingers, masses, decays and shapes of the body's modes and how strongly they sound outside, above 1.3 kHz a curve over the frequency; of
+the steel guitar losses and where the strings are plucked, too, but no shapes, and a curve from 600 Hz on; of the fret guitar losses,
+where it is plucked and where its magnet is, and how the modes of the amplifier sound; of the slap bass the place of its magnet and these
+modes; of the lap steel the places of pick and magnet and these modes. `strings` searches losses of the nylon strings and where each is
+plucked, one string after the other on the body as it is, and prints them: least squares end where they begin, for a place moves the
+zeros of the spectrum from partial to partial. The two searches were run in turn, twice. What is made small is that of bench/strings.py
+and, for all keys of the classical guitar and many of the steel guitar, how much louder they are than the mean of them, less the median of
+that over the sources [dB(A)], between the keys that were recorded on a line. Notes of the classical guitar are those of linear.py. A
+decay of up to four times that of a usual body keeps keys beside a mode of it as loud as others, and in tune. The string of the fret guitar
+is plucked as fast on all keys.
 
 Fitted: E2, A2, D3, G3, B3 and E4 of Nylon Guitar of FluidR3 GM (fluid-soundfont-gm, MIT) and of tonejs-instrument-guitar-nylon
-(npm; CC-BY 3.0); the same strings of Steel Guitar of FluidR3 GM and of tonejs-instrument-guitar-acoustic (CC-BY 3.0); E2, D3, G3 and E4 of Clean
-Guitar and C2, D#2, G2 and C3 of Slap Bass 1 of FluidR3 GM. Kept: Nylon Guitar, Steel Guitar and Clean Electric Guitar of freepats (GPL-2
-with an exception for music), A2 and B3 of Clean Guitar, tonejs-instrument-guitar-electric; Pop Bass of FluidR3 GM,
-Slap Bass 2 of freepats, tonejs-instrument-bass-electric.
+(npm; CC-BY 3.0); the same strings of Steel Guitar of FluidR3 GM and of tonejs-instrument-guitar-acoustic (CC-BY 3.0); E2, D3, G3 and E4
+of Clean Guitar and C2, D#2, G2 and C3 of Slap Bass 1 of FluidR3 GM; of the lap steel five strings of Clean Guitar and A2, D#3, A3 and D#4
+of tonejs-instrument-guitar-electric. Kept: Nylon Guitar, Steel Guitar and Clean Electric Guitar of freepats (GPL-2 with an exception for
+music), of the fret guitar A2 and B3 of Clean Guitar, other notes of tonejs-instrument-guitar-electric; Pop Bass of FluidR3 GM, Slap
+Bass 2 of freepats, tonejs-instrument-bass-electric.
 
 `distance` prints medians over the notes: of log-mel spectrograms, of levels of partials and of the ratios of the decays of
 partials from 40 to 500 ms, for the recordings that were fitted and for those that were kept.
@@ -32,11 +37,12 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from scipy.optimize import differential_evolution
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 import linear
 from notes import text_of
-from strings import distance, fit, number
+from strings import Note, distance, fit, notes_of, number, residuals
 
 LENGTH, SADDLE = 0.66, 0.648
 
@@ -55,18 +61,19 @@ LOW = [(170, 17.8, 0.1, 1), (245, 19.2, 0.25, 0.25), (320, 25.1, 0.2, -0.7), (39
 KNOTS = [1300, 1800, 2600, 3700, 5300]  # of the curve [Hz]
 USUAL = {**{f"release_{s}": 4 for s in STRINGS}, "low_mass": 1, "high_mass": 1,
          **{f"decay_{f}": 1 for f in [*(f for f, *_ in LOW), "high"]}, **{f"shape_{f}": abs(shape) for f, _, _, shape in LOW}, **{f"heard_{f}": 1 for f in [f for f, *_ in LOW] + KNOTS}}
-# Of the strings: where a search ended that began at usual numbers.
-OF_STRINGS = {"constant_e2": 0.527, "constant_a2": 0.239, "constant_d3": 0.596, "constant_g3": 0.272, "constant_b3": 1.83, "constant_e4": 2.65,
-              "quadratic_e2": 0.000263, "quadratic_a2": 0.000437, "quadratic_d3": 0.00039, "quadratic_g3": 0.000925, "quadratic_b3": 0.000668,
-              "quadratic_e4": 0.000254, "plucked": 0.184}
-# Of fingers and body: where a search of 5 steps was ended.
-BEGIN = {"release_e2": 5.45, "release_a2": 4.83, "release_d3": 4.14, "release_g3": 3.09, "release_b3": 4.49, "release_e4": 4, "low_mass": 0.991,
-         "high_mass": 2.62, "decay_170": 4, "decay_245": 3.77, "decay_320": 4, "decay_390": 4, "decay_470": 4, "decay_560": 4, "decay_680": 4,
-         "decay_830": 1.68, "decay_1010": 3.25, "decay_1230": 1.85, "decay_high": 1.48, "shape_170": 0.673, "shape_245": 0.209, "shape_320": 0.204,
-         "shape_390": 0.625, "shape_470": 0.278, "shape_560": 0.692, "shape_680": 1.21, "shape_830": 0.235, "shape_1010": 0.298, "shape_1230": 0.924,
-         "heard_170": 2.82, "heard_245": 7.95, "heard_320": 13.7, "heard_390": 4.56, "heard_470": 12.8, "heard_560": 6.55, "heard_680": 6.63,
-         "heard_830": 3.81, "heard_1010": 13.9, "heard_1230": 1.42, "heard_1300": 3.83, "heard_1800": 3.21, "heard_2600": 11.8, "heard_3700": 1.01,
-         "heard_5300": 4.52}
+# Of the strings: where `strings` ended that began at usual numbers.
+OF_STRINGS = {"constant_e2": 0.489, "constant_a2": 0.486, "constant_d3": 0.244, "constant_g3": 0.62, "constant_b3": 2, "constant_e4": 2.89,
+              "quadratic_e2": 0.000335, "quadratic_a2": 0.000561, "quadratic_d3": 0.000677, "quadratic_g3": 0.00149, "quadratic_b3": 0.000556,
+              "quadratic_e4": 0.000185, "plucked_e2": 0.0901, "plucked_a2": 0.117, "plucked_d3": 0.121, "plucked_g3": 0.192, "plucked_b3": 0.0875,
+              "plucked_e4": 0.101}
+# Of fingers and body: where a search ended.
+BEGIN = {"release_e2": 5.4, "release_a2": 5.1, "release_d3": 3.71, "release_g3": 3.23, "release_b3": 4.68, "release_e4": 4.58, "low_mass": 1.13,
+         "high_mass": 3.19, "decay_170": 4, "decay_245": 4, "decay_320": 3.98, "decay_390": 3.99, "decay_470": 4, "decay_560": 3.99, "decay_680": 4,
+         "decay_830": 1.64, "decay_1010": 4, "decay_1230": 2.6, "decay_high": 1.23, "shape_170": 0.537, "shape_245": 0.233, "shape_320": 0.25,
+         "shape_390": 0.457, "shape_470": 0.436, "shape_560": 1.03, "shape_680": 0.891, "shape_830": 0.2, "shape_1010": 0.342, "shape_1230": 1.01,
+         "heard_170": 1.74, "heard_245": 8.99, "heard_320": 12.2, "heard_390": 4.28, "heard_470": 12.9, "heard_560": 6.79, "heard_680": 7.75,
+         "heard_830": 6.18, "heard_1010": 19, "heard_1230": 2.74, "heard_1300": 2.74, "heard_1800": 8.07, "heard_2600": 22.4, "heard_3700": 1.17,
+         "heard_5300": 5.02}
 RANGES = {"release": (2, 8), "low_mass": (0.4, 4), "high_mass": (0.3, 6), "decay": (0.5, 4),
           "shape": (0.05, 3), "heard": (0.003, 300)}
 INHARMONICITY = {of[0]: of[3] for of in STRINGS.values()}  # where partials are looked for; those of the fret guitar are near enough
@@ -114,6 +121,19 @@ BASS_HEADER = """\
 // amplifier, which is so light that the string does not feel it, and how each mode sounds.
 // With `stretch` (a steel core of 0.46 mm) it takes 3.5 times as long, and its pitch falls by less than 2 cents after a pop.
 """
+LAP_BEGIN = {"plucked": 0.534, "magnet": 0.602, "cone_120": -1.19, "cone_250": -1.98, "cone_600": 3.61, "cone_1400": -2.38, "cone_2800": 3.68, "cone_5000": -1.19}
+LAP_HEADER = """\
+// The G string of a lap steel guitar under a steel bar at a quarter of its length, where it sounds C4. The hand presses the bar on
+// the string with 3 N, and the string, which it bends, pulls back as much. Displacements count from there, so that nothing moves
+// before the first note: the springs `hand` and `bend` push bar and string together with 300 N/m times 10 mm, and the contact is
+// compressed by what 3 N need. Where a pluck pulls harder than the hand presses, the bar rattles. The mass of the bar makes
+// notes 3 cents sharp, which the tuning makes good. Fingers rest on the string behind the bar. An octave higher, keys pluck 1.8 times
+// as hard, so that all are about as loud. A magnet moves the modes of an amplifier, which is so light that the string does not feel it.
+// The places of pick and magnet and how each mode sounds are fitted by bench/guitar/make.py to notes of Clean Guitar of FluidR3 GM (MIT)
+// and of tonejs-instrument-guitar-electric (CC-BY 3.0), for no recorded lap steel was found.
+"""
+# Of the lap steel: inharmonicity, near enough, of keys that are fitted or kept.
+ELECTRIC = dict.fromkeys((45, 48, 50, 51, 54, 55, 57, 59, 60, 63, 64), 6e-5)
 HEADER = """\
 // Six nylon strings on a guitar's body, each plucked by a finger; they also sound with each other. A string runs over the saddle,
 // 0.648 m from its end, to the tie behind it. Masses are those of a usual set. Body after Christensen and Vistisen
@@ -157,7 +177,7 @@ def six_strings(p, names, table, sharp):
                                              "bending_stiffness_n_m2": number(b * tension * SADDLE ** 2 / np.pi ** 2),
                                              "constant_loss_per_s": number(p[f"constant_{s}"]), "quadratic_loss_m2_per_s": number(p[f"quadratic_{s}"])},
                        "max_modes": max_modes})
-        places += [{"name": f"{s}_plucked", "body": s, "position_m": number(SADDLE - p["plucked"])}, {"name": f"{s}_over_saddle", "body": s, "position_m": SADDLE}]
+        places += [{"name": f"{s}_plucked", "body": s, "position_m": number(SADDLE - p.get(f"plucked_{s}", p.get("plucked")))}, {"name": f"{s}_over_saddle", "body": s, "position_m": SADDLE}]
         links.append({"name": f"{s}_bridge", "between": [f"{s}_over_saddle", "saddle"]})
         controls.append({"name": f"finger_{s}", "force_n": f"{s}_plucked", "min": -20, "max": 20, "release_n": number(p[f"release_{s}"])})
         keys.append({"first": lows[i] - (2 if s == "e2" else 0), "last": lows[i + 1] - 1 if i + 1 < len(names) else lows[i] + 19,
@@ -231,6 +251,12 @@ def slap_bass(p, _=None):
                                  "coil": {"shapes": coil}, "cone": {"shapes": cone}})
 
 
+def lap_steel(p, _=None):
+    modes, coil, cone = amplifier(p, CONE)
+    return shipped("lap_steel", {"plucked": {"position_m": number(p["plucked"])}, "over_magnet": {"position_m": number(p["magnet"])}, "amplifier": {"modes": modes},
+                                 "coil": {"shapes": coil}, "cone": {"shapes": cone}})
+
+
 def fret_guitar(p, _=None):
     modes, coil, cone = amplifier(p, CONE)
     return {"name": "fret_guitar", "description": "guitar string that buzzes on a fret",
@@ -256,10 +282,27 @@ def fret_guitar(p, _=None):
                         {"name": "fret in the middle", "fret_place_m": 0.324, "fret_gap_shift_m": 0.0003}, {"name": "no fret", "fret_gap_shift_m": 0.005}]}
 
 
+def search_strings(folder):
+    """Searches losses and places of the nylon strings one after the other, everywhere between ends, and prints them."""
+    of = GUITARS["classical_guitar"]
+    theirs = notes_of(folder, of)
+    for name, (key, *_) in STRINGS.items():
+        names = [f"{kind}_{name}" for kind in ("constant", "quadratic", "plucked")]
+        numbers = lambda x: dict(zip(names, (np.exp(x[0]), np.exp(x[1]), x[2])))
+
+        def cost(x):
+            ours = Note(linear.note(guitar({**OF_STRINGS, **BEGIN, **numbers(x)}, (name,)), key, of["seconds"]), key, of)
+            return sum(np.sum(residuals(ours, note) ** 2) for (_, at), note in theirs.items() if at == key)
+
+        found = differential_evolution(cost, [*np.log([(0.1, 6), (5e-5, 5e-3)]), (0.08, 0.22)], maxiter=9, popsize=8, seed=1, polish=False,
+                                       x0=[np.log(OF_STRINGS[names[0]]), np.log(OF_STRINGS[names[1]]), OF_STRINGS[names[2]]])
+        print(f"{found.fun:.1f}", {at: number(value) for at, value in numbers(found.x).items()}, flush=True)
+
+
 # As bench/strings.py says.
 GUITARS = {
     "classical_guitar": {"of": guitar, "strings": {of[0]: (name,) for name, of in STRINGS.items()}, "usual": USUAL, "begin": BEGIN, "ranges": RANGES,
-                         "about": HEADER, "events": [], "velocity": 1, "inharmonicity": INHARMONICITY, "seconds": 1.8, "top": 12000, "tops": {}, "prior": 0.5, "loudness": 2,
+                         "about": HEADER, "events": [], "velocity": 1, "inharmonicity": INHARMONICITY, "seconds": 1.8, "top": 12000, "tops": {}, "prior": 0.5, "loudness": 3,
                          "compared": range(38, 84), "sound": linear.note},
     "fret_guitar": {"of": fret_guitar, "strings": {key: () for key in (40, 50, 55, 64)}, "usual": FRET_USUAL, "begin": FRET_BEGIN, "ranges": FRET_RANGES,
                     "about": FRET_HEADER, "events": [{"time_s": 0, "fret_gap_shift_m": 0.005}], "velocity": 1, "inharmonicity": INHARMONICITY, "seconds": 1.2, "top": 10000, "tops": {}, "prior": 0.05, "loudness": 0,
@@ -267,6 +310,8 @@ GUITARS = {
     "slap_bass": {"of": slap_bass, "strings": {key: () for key in (36, 39, 43, 48)}, "usual": BASS_USUAL, "begin": BASS_BEGIN, "ranges": BASS_RANGES,
                   "about": BASS_HEADER, "events": [], "velocity": 0.8, "inharmonicity": dict.fromkeys((36, 39, 43, 48), 2.8e-5), "seconds": 2.6, "top": 10000, "tops": {}, "prior": 0.05,
                   "loudness": 0, "compared": []},
+    "lap_steel": {"of": lap_steel, "strings": {key: () for key in (45, 50, 51, 55, 57, 59, 63, 64)}, "usual": FRET_USUAL, "begin": LAP_BEGIN, "ranges": FRET_RANGES,
+                  "about": LAP_HEADER, "events": [], "velocity": 0.7, "inharmonicity": ELECTRIC, "seconds": 1.2, "top": 10000, "tops": {}, "prior": 0.05, "loudness": 0, "compared": []},
     "steel_guitar": {"of": steel_guitar, "strings": {of[0]: (name,) for name, of in STEEL_STRINGS.items()}, "usual": STEEL_USUAL, "begin": STEEL_BEGIN,
                      "ranges": {**RANGES, "constant": (0.05, 4), "low_mass": (0.4, 10), "heard": (0.02, 50)}, "about": STEEL_HEADER, "events": [], "velocity": 1, "inharmonicity": {of[0]: of[3] for of in STEEL_STRINGS.values()},
                      "seconds": 1.8, "top": 12000, "tops": {}, "prior": 0.5, "loudness": 1,
@@ -279,6 +324,8 @@ if __name__ == "__main__":
         Path(sys.argv[3]).write_text(kind["about"] + text_of(kind["of"](kind["begin"])), encoding="utf-8")
     elif len(sys.argv) == 6 and sys.argv[1] == "fit" and sys.argv[3] in GUITARS:
         fit(sys.argv[2], GUITARS[sys.argv[3]], *sys.argv[4:])
+    elif len(sys.argv) == 3 and sys.argv[1] == "strings":
+        search_strings(sys.argv[2])
     elif len(sys.argv) == 6 and sys.argv[1] == "distance":
         distance(sys.argv[2], GUITARS, *sys.argv[3:])
     else:
