@@ -107,7 +107,7 @@ template <typename T>
 void expect_rest() {
   constexpr double kRounding_n = 3 * std::numeric_limits<double>::epsilon() / 300 * 1.05e7;
   const auto steel = prepared<instruments::lap_steel<T>>();
-  for (const T force : next(*steel, 4800, 1)) ASSERT_TRUE(within(double(force), 0, kRounding_n));
+  for (const T force : next(*steel, 4800, 2)) ASSERT_TRUE(within(double(force), 0, kRounding_n));
   for (const T force : next(*steel, 48000)) ASSERT_TRUE(within(double(force), 0, kRounding_n));
   EXPECT_TRUE(steel->is_at_rest(1e-13));
 }
@@ -117,13 +117,13 @@ TEST(LapSteel, RestsUntilItIsPlayed) {
   expect_rest<float>();
 }
 
-// A hand that presses harder or less makes no edge that is sharper than a step of a thousandth of a pluck of 3 N: the
-// promise of docs/how-to/slide-string.md.
+// A hand that presses harder or less makes no edge in the force of the string that is sharper than a step of a
+// thousandth of a pluck of 3 N: the promise of docs/how-to/slide-string.md.
 TEST(LapSteel, IsPressedWithoutASound) {
   Hosted<float> steel(compiled<instruments::lap_steel<float>>());
   steel.prepare(kRate);
   std::vector<float> sound(48000);
-  float* const outputs[] = {sound.data(), nullptr};
+  float* const outputs[] = {nullptr, sound.data(), nullptr};
   steel.process(std::span<float* const>(outputs), sound.size());
   for (const double press_m : {0.01, -0.008, 0.0, 0.02, -0.0095, 0.0}) {
     steel.set(2, press_m);
