@@ -111,7 +111,8 @@ SoundLabel sound_label(const PlayOptions& how, const Score& score) {
   if (how.is_on_body && !score.ears.empty()) return {"pressure at the ears", "Pa"};
   if (how.is_on_body) return {is_weighted(score) ? "weighted body velocity" : "velocity of the body", "m/s"};
   const Output output = outputs_of(score)[how.output];
-  return {label_of(output.name).text, output.unit};
+  const std::string_view name = output.name;
+  return {label_of(how.right_output ? name.substr(name.find('_') + 1) : name).text, output.unit};
 }
 
 /// A part that can be played.
