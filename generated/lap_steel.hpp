@@ -273,7 +273,7 @@ class lap_steel : public Voices<NetworkInstrument<T>> {
     static constexpr std::array<Event, 1> events = {{
         {"pluck_pick", EventKind::kPluck, 0, 5}}};
     static constexpr std::array<Output, 3> outputs = {{
-        {"amplifier_velocity_m_per_s", "m/s", 0.9},
+        {"amplifier_velocity_m_per_s", "m/s", 1.9},
         {"string_end_force_n", "N", 5.0},
         {"bar_force_n", "N", 20.0}}};
     static constexpr std::array<KeyRange, 1> key_ranges = {{

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <iterator>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <string>
@@ -110,9 +111,8 @@ bool is_weighted(const Score& score) {
 SoundLabel sound_label(const PlayOptions& how, const Score& score) {
   if (how.is_on_body && !score.ears.empty()) return {"pressure at the ears", "Pa"};
   if (how.is_on_body) return {is_weighted(score) ? "weighted body velocity" : "velocity of the body", "m/s"};
-  const Output output = outputs_of(score)[how.output];
-  const std::string_view name = output.name;
-  return {label_of(how.right_output ? name.substr(name.find('_') + 1) : name).text, output.unit};
+  const Output output = sounding_output(score, how);
+  return {label_of(output.name).text, output.unit};
 }
 
 /// A part that can be played.
@@ -335,8 +335,11 @@ std::string contact_lines(const std::vector<PlayedPart>& parts, const Performanc
   if (std::ranges::all_of(parts, [](const PlayedPart& part) { return summed_contacts(part.score) == 0; })) return {};
   const double seconds =
       static_cast<double>(performance.samples.size()) / performance.channels / performance.sample_rate_hz;
-  const bool is_sum = parts.size() == 1 && summed_contacts(parts[0].score) > 1;
-  const std::size_t voices = parts[0].score.voices.size();
+  const bool is_sum =
+      std::ranges::any_of(parts, [](const PlayedPart& part) { return summed_contacts(part.score) > 1; });
+  const std::size_t voices =
+      std::accumulate(parts.begin(), parts.end(), std::size_t{0},
+                      [](std::size_t sum, const PlayedPart& part) { return sum + part.score.voices.size(); });
   return (is_sum ? fmt::format("{}in contact for {:.3g} s of {:.4g} s, largest sum of contact forces {:.4g} N\n",
                                voices > 1 ? fmt::format("{} voices together ", voices) : "", performance.contact_s,
                                seconds, performance.largest_force_n)

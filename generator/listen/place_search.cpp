@@ -130,7 +130,8 @@ std::vector<Eigen::VectorXd> best_apart(std::vector<Candidate> candidates, const
 // Where searches get to from the best of places along one or two numbers, and from those near by beyond a rise: at
 // first of the numbers that act on the same notes alone, then, where that led to another place worth it, of all.
 std::vector<Candidate> others_than(const ListeningProblem& problem, const Candidate& at, const Tell& tell) {
-  constexpr double kWorth = 30, kSame = 0.002;  // of the way between bounds
+  constexpr double kWorth = 30;    // of the cost
+  constexpr double kSame = 0.002;  // of the way between bounds
   AlongNumbers along = along_each(problem, at);
   std::ranges::move(along_pairs(problem, at, along.loose), std::back_inserter(along.all));
   std::vector<Eigen::VectorXd> from = best_apart(std::move(along.all), at), found;

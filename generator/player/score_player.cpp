@@ -10,10 +10,10 @@
 #include <memory>
 #include <numbers>
 #include <span>
+#include <string_view>
 #include <utility>
 
 #include "contactspline/host/engine.hpp"
-#include "contactspline/host/hosted.hpp"
 #include "contactspline/midi/key_tuning.hpp"
 #include "contactspline/step/flush_denormals.hpp"
 #include "contactspline/step/half_band.hpp"
@@ -25,6 +25,7 @@
 namespace contactspline {
 namespace {
 
+constexpr std::string_view kLeft = "left_", kRight = "right_";  // outputs of the sides begin so
 constexpr std::size_t kColumns = 1200;
 constexpr std::size_t kBlock = 4096, kMaxSteady = 1024;  // samples
 
@@ -286,18 +287,12 @@ class Sleep {
   std::size_t processed_ = 0;  // samples since the last look
 };
 
-template <typename T>
-double full_scale_of(const AnyInstrument<T>& instrument, std::size_t output) {
-  return instrument.outputs()[output].full_scale;
-}
-
-/// Plays one voice on an instrument of its own, block by block. What is on the right has the scale of the left.
+/// Plays one voice on an instrument of its own, block by block.
 template <typename T>
 void play_voice(AnyInstrument<T>& instrument, const Score& score, const Voice& voice, const PlayOptions& options,
                 Recorder& recorder, const PartDone& done) {
   std::vector<T> sound(kBlock), on_right(kBlock), force(kBlock);
   const std::size_t right = options.right_output.value_or(options.output);
-  const T right_scale = static_cast<T>(full_scale_of(instrument, options.output) / full_scale_of(instrument, right));
   std::vector<std::span<T>> outputs(std::max(options.output, right) + 1);
   instrument.prepare(options.sample_rate_hz);
   VoicePlayer<AnyInstrument<T>> player(instrument, voice, options.sample_rate_hz);
@@ -319,8 +314,6 @@ void play_voice(AnyInstrument<T>& instrument, const Score& score, const Voice& v
       outputs[options.output] = sound_block;
       outputs[right] = right_block;
       instrument.process(outputs, force_block);
-      if (options.right_output)
-        for (T& sample : right_block) sample *= right_scale;
       sleep.look_at(instrument);
     }
     for (std::size_t n = 0; n < samples; ++n)
@@ -489,9 +482,19 @@ void choose_best_output(const Score& score, PlayOptions& options) {
     return;
   }
   const std::vector<Output> outputs = outputs_of(score);
-  const std::size_t left = output_beginning(outputs, "left_", 0), right = output_beginning(outputs, "right_", left);
-  options.output = left;
-  if (right != left) options.right_output = right;
+  const auto beginning = [&](std::string_view side) {
+    return std::ranges::find_if(outputs, [&](const Output& o) { return std::string_view(o.name).starts_with(side); });
+  };
+  const auto left = beginning(kLeft), right = beginning(kRight);
+  if (left == outputs.end() || right == outputs.end() || std::string_view(left->unit) != right->unit) return;
+  options.output = static_cast<std::size_t>(left - outputs.begin());
+  options.right_output = static_cast<std::size_t>(right - outputs.begin());
+}
+
+Output sounding_output(const Score& score, const PlayOptions& options) {
+  Output output = outputs_of(score)[options.output];
+  if (options.right_output) output.name += kLeft.size();
+  return output;
 }
 
 Performance play(const Score& score, const PlayOptions& options, const Progress& progress) {

@@ -43,8 +43,12 @@ struct Performance {
 [[nodiscard]] std::vector<Output> outputs_of(const Score& score);
 
 /// The output that sounds best: the body of a keyboard, if there is one, else the bridge of its strings; of an
-/// instrument file those that begin with `left_` and `right_`, else the first. Sets output, right_output, is_on_body.
+/// instrument file those that begin with `left_` and `right_`, if both are there and have one unit, else the first.
+/// Sets output, right_output and is_on_body.
 void choose_best_output(const Score& score, PlayOptions& options);
+
+/// What sounds, named without its side.
+[[nodiscard]] Output sounding_output(const Score& score, const PlayOptions& options);
 
 /// 2 if a voice is panned, the score has a body or both sides are played, else 1.
 [[nodiscard]] int channels_of(const Score& score, const PlayOptions& options);

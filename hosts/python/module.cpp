@@ -373,7 +373,7 @@ py::tuple play_score(const std::string& source, bool is_text, double rate, bool 
       const Score& score = read.score;
       const PlayOptions options = options_of(score);
       Performance part = play(score, options, [](double) { stop_on_signal(); });
-      const Output chosen = contactspline::outputs_of(score)[options.output];
+      const Output chosen = sounding_output(score, options);
       output = options.is_on_body ? "body_velocity_m_per_s" : chosen.name;
       unit = options.is_on_body ? "m/s" : chosen.unit;
       if (parts.size() == 1 && mix.empty())

@@ -868,6 +868,7 @@ not_run='
 ^cmake --install build/c |^cc -std=c99|^  -Wl,-rpath|^./first     in case_c
 ^g\+\+ .*contactspline-simd                    in case_kernels
 ^cp index.html node_modules/contactspline         web.package does the same
+^cp examples/fit/kalimba|kalimba_song\.json|my_kalimba\.json    in fit_doc_test: the fit takes a minute
 ^contactspline plugin tom                      half a minute, as the tutorial takes for its instrument
 arm-none-eabi|^for program|^  (read|echo|faust)|^ +(process|main\.c|-idirafter|-fno)|^done$   in case_microcontroller
 '
