@@ -181,5 +181,37 @@ TEST(ContactNetwork, WakesAContactWhileTheDampingJumps) {
   EXPECT_GT(deepest, 0);
 }
 
+// Random networks with pushes, gaps and springs that move: what sleeps has not closed.
+TEST(RandomNetworks, SleepOnlyWhileApart) {
+  std::size_t asleep = 0, woken = 0;
+  for (unsigned seed = 1; seed <= 60; ++seed) {
+    RandomNetwork random_network(seed);
+    Random& random = random_network.random;
+    auto network = random_network.network(CoupledContacts<double>::kMaxSteps);
+    const auto& connections = random_network.plan.connections();
+    const auto is_spring = [&](std::size_t k) { return connections[k].table.empty() && !connections[k].is_rigid; };
+    std::vector<char> slept(connections.size());
+    for (int n = 0; n < 3000; ++n) {
+      if (n % 40 < 3) network.push(random.below(random_network.plan.places().size()), random.between(-100, 100));
+      const std::size_t moved = random.below(connections.size());
+      if (n % 50 == 0) network.set_gap(moved, random.between(-1e-4, 2e-3));
+      if (n % 30 == 0 && is_spring(moved)) network.set_spring(moved, random.below(2) == 0 ? 0 : 1e4, 0);
+      network.tick();
+      for (std::size_t k = 0; k < connections.size(); ++k) {
+        const bool sleeps = network.is_sleeping(k);
+        asleep += sleeps;
+        woken += slept[k] && !sleeps;
+        slept[k] = sleeps;
+        if (!sleeps) continue;
+        ASSERT_EQ(network.force(k), 0) << "seed " << seed << ", sample " << n;
+        if (is_spring(k)) continue;
+        ASSERT_LE(network.compression(k), 1e-12) << "seed " << seed << ", sample " << n;
+      }
+    }
+  }
+  EXPECT_GT(asleep, 100000U);
+  EXPECT_GT(woken, 1000U);
+}
+
 }  // namespace
 }  // namespace contactspline::testing

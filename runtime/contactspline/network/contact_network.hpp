@@ -45,7 +45,7 @@ class ContactNetwork {
         increments_(plan.places().size()) {
     for (auto* list : {&pushed_, &last_pushed_}) list->reserve(parts_.places.size());
     receptances_.couple(parts_, solver_);  // no body has a damper yet
-    receptances_.measure_roots(parts_);
+    receptances_.measure_own(parts_);
     for (std::size_t k = 0; k < plan.connections().size(); ++k) {
       install(plan.connections()[k], k);
       solver_.set_memory(k, {plan.connections()[k].memories, sample_rate_hz / plan.samples_of_step()});
@@ -106,7 +106,7 @@ class ContactNetwork {
     parts_.bodies[body].retune(modes);
     // At rest all is as in a new network.
     moves ? receptances_.measure_frequencies(parts_, body) : receptances_.measure(parts_, body);
-    receptances_.measure_roots(parts_);
+    receptances_.measure_own(parts_);
     is_coupling_old_ = true;
     place_all();
   }
@@ -153,6 +153,9 @@ class ContactNetwork {
     c.spring = held(c.spring, spring_n_per_m, Ranges::hand_stiffness_n_per_m);
     c.resistance = held(c.resistance, resistance_n_s_per_m, Ranges::resistance_n_s_per_m);
     controls_.follow(c);
+    if (c.is_awake || (c.spring == 0 && c.resistance == 0)) return;
+    set_compression(connection, parts_.measured(connection));
+    sleeping_.wake(c);
   }
 
   /// Normal force of friction [N], 0 to 1000. It may jump.
@@ -218,7 +221,7 @@ class ContactNetwork {
     predict();
     solve();
     solver_.advance();
-    sleeping_.end_sample(parts_, solver_, receptances_.largest_root());
+    sleeping_.end_sample(parts_, solver_);
     advance();
   }
 
@@ -263,7 +266,9 @@ class ContactNetwork {
   [[nodiscard]] T gap(std::size_t connection) const { return parts_.connections[connection].gap; }  ///< that acts [m]
   /// Are gaps, stiffnesses or places still behind their controls? Not a surface that slides on and on.
   [[nodiscard]] bool is_following() const { return controls_.is_following(); }
-  /// Number of contacts that are too far apart to be looked at.
+  /// Is it a contact too far apart to be looked at, or a spring without stiffness and resistance?
+  [[nodiscard]] bool is_sleeping(std::size_t connection) const { return !parts_.connections[connection].is_awake; }
+  /// How many of them there are.
   [[nodiscard]] std::size_t sleeping() const {
     return static_cast<std::size_t>(std::ranges::count(parts_.connections, false, &Connection::is_awake));
   }
@@ -379,7 +384,7 @@ class ContactNetwork {
         Connection& c = parts_.connections[k];
         if (solver_[k].is_friction || (c.first != p && c.second != p)) continue;
         c.lift += c.first == p ? lift : -lift;
-        sleeping_.shrink(c, lift);
+        sleeping_.shrink(parts_, c, lift);
         if (!c.surface.is_rough()) continue;
         c.surface.go(c.first == p ? mover.motion.place() - from : from - mover.motion.place());
         controls_.follow(c);  // the height there acts in the next sample
@@ -468,7 +473,7 @@ class ContactNetwork {
     for (Body& body : parts_.bodies) {
       if (!std::exchange(body.is_predicted, true))
         body.free_travel = body.bank.free_increments(body.awake_shapes, body.free_increments.data());
-      body.travel = body.damping_gain * body.free_travel;
+      body.reach = body.travel = body.damping_gain * body.free_travel;
       for (std::size_t i = 0; i < body.awake.size(); ++i)
         increments_[body.awake[i]] = body.damping_gain * body.free_increments[i];
     }
@@ -478,10 +483,9 @@ class ContactNetwork {
       Place& place = parts_.places[p];
       add_force(p, take_push(p));
       Body& body = parts_.bodies[place.body];
-      body.travel += body.damping_gain * place.travel_per_force * std::abs(place.last_push);
+      body.reach = body.travel += body.damping_gain * place.travel_per_force * std::abs(place.last_push);
       for (const std::size_t q : body.awake) increments_[q] += receptances_.mutual(parts_, p, q) * place.last_push;
     }
-    for (Body& body : parts_.bodies) body.travelled += body.travel;
   }
 
   void add_force(std::size_t p, T force) {
@@ -503,7 +507,7 @@ class ContactNetwork {
       begin(k, measured_increment(c.first) - measured_increment(c.second));
     };
     do solver_.solve();
-    while (sleeping_.wake_reachable(parts_, solver_, receptances_.largest_root(), wake));
+    while (sleeping_.wake_reachable(parts_, solver_, wake));
   }
 
   void tick_over_two_samples() {
@@ -587,7 +591,6 @@ class ContactNetwork {
     }
     for (Mover& mover : parts_.movers)
       if (mover.is_moving) mover.owed += half_increment(mover);
-    for (const std::size_t k : sleeping_.woken()) set_compression(k, parts_.measured(k));
   }
 
   T time_step_, step_;  // of a sample, and of those on which a force acts

@@ -104,6 +104,7 @@ class CoupledContacts {
 
   /// Computes the forces. May be called again after further calls of add().
   void solve() {
+    std::size_t solved = touching_.size();
     if (!springs_.empty() && springs_.predict(connections_, exact_receptance_)) group_.forget();
     for (const std::size_t i : contacts_) {
       if (is_active_[i]) continue;
@@ -116,9 +117,8 @@ class CoupledContacts {
         c.force = 0;
     }
     do {
-      for (const std::size_t i : touching_) is_grouped_[i] = false;
-      for (const std::size_t i : touching_)
-        if (!is_grouped_[i]) solve_group_of(i);
+      if (touching_.size() > solved) solve_groups();
+      solved = touching_.size();
       displace_by_contacts();
       if (!springs_.empty()) springs_.solve(connections_, receptance_, touching_, ends_);
       is_first_pass_ = false;
@@ -190,6 +190,12 @@ class CoupledContacts {
   // The receptances that contacts meet.
   [[nodiscard]] const detail::ColumnMatrix<T>& acting_receptance() const {
     return springs_.empty() ? receptance_ : springs_.receptance();
+  }
+
+  void solve_groups() {
+    for (const std::size_t i : touching_) is_grouped_[i] = false;
+    for (const std::size_t i : touching_)
+      if (!is_grouped_[i]) solve_group_of(i);
   }
 
   void solve_group_of(std::size_t seed) {

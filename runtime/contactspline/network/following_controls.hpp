@@ -55,7 +55,7 @@ class FollowingControls {
         is_behind |= follow_stiffness(c, solver[k], part);
         if (!resting.empty()) is_behind |= follow_stiffness(c, resting[k], part);
         c.is_following = is_behind || slides;
-        sleeping.shrink(c, c.lift);
+        sleeping.shrink(parts, c, c.lift);
       }
       // A gap that moved must be seen at rest in the samples that follow.
       const bool moves = c.lift != 0 || c.lift_before != 0;

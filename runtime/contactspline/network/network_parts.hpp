@@ -9,6 +9,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -59,10 +60,11 @@ struct NetworkBody {
   std::optional<TwoStepMotion<T>> motion;  // of a network in which a body stretches
   T damping = 0;                           // times dt, as is the gain
   T damping_gain = 1;
-  T max_shape = 0;              // of its connections
   double total_receptance = 0;  // of all modes, where their shapes are 1 [m/N]
-  // Bounds of the motion without forces of connections [m]: in this sample, and since slacks were last reduced.
-  T travel = 0, travelled = 0;
+  // Bounds of the motion [m]: in this sample without forces of connections, and with them; since slacks were last
+  // reduced; and how far that may go.
+  T travel = 0, reach = 0;
+  double travelled = 0, mark = std::numeric_limits<double>::infinity();
   std::vector<std::size_t> places;
   std::vector<std::size_t> connections;
   std::vector<ModeShapes<double>> shapes;  // of each connection on this body
@@ -136,12 +138,11 @@ struct NetworkConnection {
   ContactControls<T> contact;  // targets, which the connection of the solver follows
   T spring, resistance;
   T gap, target_gap;
-  T lift = 0;                 // by how much the gap shrinks in this sample [m]
-  T lift_before = 0;          // and in the one before, where forces act on both [m]
-  double own_receptance = 0;  // without damping, which can only make it smaller [m/N]
-  T root_receptance = 0;      // of that [sqrt(m/N)]
-  T slack = 0;                // of a sleeping contact: the gap that is certainly left [m]
-  T before = 0;               // compression at the beginning of the sample [m]
+  T lift = 0;                                // by how much the gap shrinks in this sample [m]
+  T lift_before = 0;                         // and in the one before, where forces act on both [m]
+  double own_receptance = 0;                 // without damping, which can only make it smaller [m/N]
+  double first_slack = 0, second_slack = 0;  // of a sleeping contact: how far these bodies may still move it [m]
+  T before = 0;                              // compression at the beginning of the sample [m]
   bool is_awake = true;
   bool is_following = false;
   RoughSurface<T> surface;  // of a contact

@@ -64,8 +64,8 @@ class NetworkReceptances {
         detail::sum_of<double>(body.bank.size(), [&](std::size_t n) { return double(body.bank.receptance(n)); });
   }
 
-  /// Measures the roots of the connections' receptances without damping, the largest ones where a place moves.
-  void measure_roots(NetworkParts<T>& parts) {
+  /// Measures the connections' own receptances without damping, the largest ones where a place moves.
+  void measure_own(NetworkParts<T>& parts) {
     for (NetworkConnection<T>& c : parts.connections) c.own_receptance = 0;
     for (std::size_t b = 0; b < parts.bodies.size(); ++b) {
       const NetworkBody<T>& body = parts.bodies[b];
@@ -77,11 +77,6 @@ class NetworkReceptances {
                             (moves_on(parts, c, b) ? body.total_receptance * max * max : body.receptances[own]);
         own += k + 2;
       }
-    }
-    largest_root_ = 0;
-    for (NetworkConnection<T>& c : parts.connections) {
-      c.root_receptance = std::sqrt(static_cast<T>((std::max)(c.own_receptance, kMinReceptance)));
-      largest_root_ = (std::max)(largest_root_, c.root_receptance);
     }
   }
 
@@ -115,9 +110,6 @@ class NetworkReceptances {
   [[nodiscard]] T mutual(const NetworkParts<T>& parts, std::size_t p, std::size_t q) const {
     return parts.body_of(p).damping_gain * of_places_[p * parts.places.size() + q];
   }
-
-  /// The largest root of all connections [sqrt(m/N)].
-  [[nodiscard]] T largest_root() const { return largest_root_; }
 
  private:
   // Where nothing moves the receptance is 0; a contact needs one > 0.
@@ -179,7 +171,6 @@ class NetworkReceptances {
   // By how much the modes of a body move its connections at most, wherever their places are.
   static void measure_bounds(NetworkParts<T>& parts, std::size_t b) {
     NetworkBody<T>& body = parts.bodies[b];
-    body.max_shape = 0;
     body.total_receptance = 0;
     for (std::size_t n = 0; n < body.bank.size(); ++n) body.total_receptance += double(body.bank.receptance(n));
     for (std::size_t i = 0; i < body.connections.size(); ++i) {
@@ -188,7 +179,6 @@ class NetworkReceptances {
       max = moves_on(parts, c, b) ? max_shape(parts, c.first, b) + max_shape(parts, c.second, b) : T(0);
       for (std::size_t n = 0; n < body.bank.size(); ++n)
         max = (std::max)(max, static_cast<T>(std::abs(body.shapes[i][n])));
-      body.max_shape = (std::max)(body.max_shape, max);
     }
   }
 
@@ -216,7 +206,6 @@ class NetworkReceptances {
 
   std::vector<double> of_connections_;  // of each with those up to itself
   std::vector<T> of_places_;            // of all pairs, without damping
-  T largest_root_ = 0;
 };
 
 }  // namespace contactspline::detail
