@@ -22,24 +22,38 @@ constexpr double kDepth_db = 80;
 constexpr std::size_t kMaxPartials = 60;
 constexpr double kWaits_s[] = {0.1, 0.5, 2.5};  // until what strikes is there
 
-// Where outputs have this name, or its beginning as `render --signal` takes it.
-std::size_t output_of(const AnyInstrument<double>& instrument, const RecordedInstrument& recorded) {
-  if (recorded.output.empty()) return 0;
+// Both sides where no output is named. Outputs have that name, or its beginning as `render --signal` takes it.
+Sides heard_outputs(const AnyInstrument<double>& instrument, const RecordedInstrument& recorded) {
+  if (recorded.output.empty()) return sides_of(instrument.outputs(), 0);
   std::string names;
   for (std::size_t i = 0; i < instrument.outputs().size(); ++i) {
     const std::string name = instrument.outputs()[i].name;
-    if (name == recorded.output || name.starts_with(recorded.output + "_")) return i;
+    if (name == recorded.output || name.starts_with(recorded.output + "_")) return {i, i};
     names += (i > 0 ? ", " : "") + name;
   }
   refuse(recorded.file, "outputs", fmt::format("'{}' is none of them", shown(recorded.output)), names);
 }
 
-InstrumentMaker maker_of(const RecordedInstrument& recorded, const ReadFile& read, DesignedMaterials& materials,
-                         const std::vector<double>& point) {
-  const std::span<const OpenNumber> open = std::span(recorded.open).first(recorded.open_in_text);
-  return maker_of_text(filled(recorded.text, open, point), recorded.file, read, materials);
+// What plays with these numbers in the text: of a keyboard one key, else all.
+struct Played {
+  std::vector<double> point;
+  int key = 0;
+  auto operator<=>(const Played&) const = default;
+};
+
+Played played_by(const RecordedInstrument& recorded, const NoteToRender& note) {
+  return {note.point, recorded.is_keyboard ? recorded.notes[note.note].key : 0};
 }
 
+InstrumentMaker maker_of(const RecordedInstrument& recorded, const ReadFile& read, DesignedMaterials& materials,
+                         const Played& played) {
+  const std::span<const OpenNumber> open = std::span(recorded.open).first(recorded.open_in_text);
+  const std::string text = filled(recorded.text, open, played.point);
+  if (recorded.is_keyboard) return maker_of_key(text, recorded.file, read, played.key);
+  return maker_of_text(text, recorded.file, read, materials);
+}
+
+// The mean of both sides, as of recordings.
 std::vector<double> samples_of(const InstrumentMaker& maker, const RecordedInstrument& recorded,
                                const RecordedNote& note, double velocity, double length_s) {
   const double rate_hz = note.recording.sample_rate_hz;
@@ -49,11 +63,15 @@ std::vector<double> samples_of(const InstrumentMaker& maker, const RecordedInstr
     refuse(recorded.file, "keys", fmt::format("key {} of {} plays nothing", note.key, note.file),
            "a key that `contactspline inspect` lists");
   const TimedEvent event{0, Action::kNoteOn, static_cast<std::size_t>(note.key), velocity, 0};
-  std::vector<double> samples(static_cast<std::size_t>(length_s * rate_hz));
+  std::vector<double> samples(static_cast<std::size_t>(length_s * rate_hz)), on_right(samples.size());
+  const auto [left, right] = heard_outputs(*instrument, recorded);
   Recording<double> into;
   into.outputs.resize(instrument->outputs().size());
-  into.outputs[output_of(*instrument, recorded)] = samples;
+  into.outputs[right] = on_right;
+  into.outputs[left] = samples;
   render<double>(*instrument, std::span(&event, 1), samples.size(), into, [] {});
+  if (left == right) return samples;
+  std::ranges::transform(samples, on_right, samples.begin(), [](double l, double r) { return (l + r) / 2; });
   return samples;
 }
 
@@ -90,19 +108,19 @@ NoteRenderer::NoteRenderer(const RecordedInstrument& recorded, const ReadFile& r
       materials_(std::make_unique<DesignedMaterials>(read_)) {}
 
 std::vector<std::optional<NoteImpression>> NoteRenderer::render(std::span<const NoteToRender> notes) const {
-  std::map<std::vector<double>, std::optional<InstrumentMaker>> makers;
-  for (const NoteToRender& note : notes) makers.try_emplace(note.point);
-  std::vector<decltype(makers)::iterator> points;
-  for (auto at = makers.begin(); at != makers.end(); ++at) points.push_back(at);
-  run_on_all_cores(points.size(), [&](std::size_t p) {
+  std::map<Played, std::optional<InstrumentMaker>> makers;
+  for (const NoteToRender& note : notes) makers.try_emplace(played_by(recorded_, note));
+  std::vector<decltype(makers)::iterator> to_make;
+  for (auto at = makers.begin(); at != makers.end(); ++at) to_make.push_back(at);
+  run_on_all_cores(to_make.size(), [&](std::size_t i) {
     try {
-      points[p]->second = maker_of(recorded_, read_, *materials_, points[p]->first);
+      to_make[i]->second = maker_of(recorded_, read_, *materials_, to_make[i]->first);
     } catch (const BadInput&) {
     }
   });
   std::vector<std::optional<NoteImpression>> impressions(notes.size());
   run_on_all_cores(notes.size(), [&](std::size_t i) {
-    const auto& maker = makers.at(notes[i].point);
+    const auto& maker = makers.at(played_by(recorded_, notes[i]));
     if (!maker) return;
     try {
       impressions[i] = play(*maker, recorded_, recorded_.notes[notes[i].note], notes[i].point);
@@ -131,10 +149,11 @@ std::vector<RenderedNotes> NoteRenderer::render(std::span<const std::vector<doub
 
 std::vector<NoteImpression> NoteRenderer::render_one(const std::vector<double>& point,
                                                      std::span<const std::size_t> notes) const {
-  const InstrumentMaker maker = maker_of(recorded_, read_, *materials_, point);
   std::vector<NoteImpression> impressions(notes.size());
-  run_on_all_cores(notes.size(),
-                   [&](std::size_t i) { impressions[i] = play(maker, recorded_, recorded_.notes[notes[i]], point); });
+  run_on_all_cores(notes.size(), [&](std::size_t i) {
+    const InstrumentMaker maker = maker_of(recorded_, read_, *materials_, played_by(recorded_, {notes[i], point}));
+    impressions[i] = play(maker, recorded_, recorded_.notes[notes[i]], point);
+  });
   return impressions;
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "generator/support/error.hpp"
+#include "generator/support/file_kind.hpp"
 #include "generator/support/json_syntax.hpp"
 
 namespace contactspline {
@@ -77,9 +78,10 @@ RecordedInstrument parse_recorded_instrument(std::string_view text, const std::s
       fit.objects("recordings", {"file", "key", "velocity", "kept"}, kMaxRecordings);
   RecordedInstrument recorded;
   recorded.fit_file = file;
-  recorded.file = fit.text(kInstrumentKey, "an instrument file (.json), relative to the fit file");
+  recorded.file = fit.text(kInstrumentKey, "an instrument or keyboard file (.json), relative to the fit file");
   recorded.text = read_for_key(file, kInstrumentKey, recorded.file, read);
   recorded.files.push_back(recorded.file);
+  recorded.is_keyboard = kind_of_file(recorded.text, recorded.file, "instrument") == Shipped::kKeyboards;
   recorded.open = open_numbers(recorded.text, recorded.file);
   recorded.open_in_text = recorded.open.size();
   if (recorded.open.empty() || recorded.open.size() > kMaxOpen)

@@ -25,7 +25,8 @@ struct RecordedNote {
 
 struct RecordedInstrument {
   std::string fit_file;            ///< the file that was read
-  std::string text, file;          ///< of the instrument file
+  std::string text, file;          ///< of the instrument or keyboard file
+  bool is_keyboard = false;        ///< is it one? Then each recorded key is played alone
   std::vector<std::string> files;  ///< all that were read, relative to the fit file
   std::size_t open_in_text = 0;    ///< so many of the open numbers stand in the text; the others are velocities
   std::vector<OpenNumber> open;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "generator/player/instrument_maker.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <concepts>
 #include <memory>
@@ -84,14 +86,18 @@ InstrumentMaker mass_barrier_of(const JsonObject& parts, const ReadFile& read) {
       [made](auto precision, double) { return Engine<decltype(precision)>::mass_barrier(made); });
 }
 
-// A keyboard on its body, with all keys; designs their felts, which takes some seconds.
-InstrumentMaker keyboard_of(const JsonObject& parts, const ReadFile& read) {
-  const NamedText named = read_named(parts, "keyboard", Shipped::kKeyboards, read);
-  const Keyboard played = parse_keyboard(named.text, named.file);
+// A keyboard on its body, with all its keys, whose felts it designs.
+InstrumentMaker maker_of_keyboard(const Keyboard& played, const NamedText& named, const ReadFile& read) {
   if (!played.body) refuse(named.file, "keyboard.body", "missing", "one such as that of the piano that ships");
   const auto made = std::make_shared<const KeyboardParts>(
       keyboard_parts(played, std::make_shared<const Score>(score_of_all_keys(played, named, read))));
   return InstrumentMaker::of([made](auto precision, double) { return Engine<decltype(precision)>::keyboard(made); });
+}
+
+// All keys of a keyboard; takes some seconds.
+InstrumentMaker keyboard_of(const JsonObject& parts, const ReadFile& read) {
+  const NamedText named = read_named(parts, "keyboard", Shipped::kKeyboards, read);
+  return maker_of_keyboard(parse_keyboard(named.text, named.file), named, read);
 }
 
 const std::vector<MadeOfParts> kMadeOfParts = {
@@ -131,6 +137,16 @@ InstrumentMaker maker_of_text(std::string_view text, const std::string& file, co
   voice.name = file;
   voice.model = parse_instrument(text, file, read, materials);
   return maker_of_voice(std::move(voice));
+}
+
+InstrumentMaker maker_of_key(std::string_view text, const std::string& file, const ReadFile& read, int key) {
+  const NamedText named{std::string(text), file, false, false, Shipped::kKeyboards};
+  Keyboard keyboard = parse_keyboard(text, file);
+  if (key < keyboard.first_key || key > keyboard.last_key)
+    refuse(file, "keyboard", fmt::format("key {} is not on it", key),
+           fmt::format("keys {} to {}", keyboard.first_key, keyboard.last_key));
+  keyboard.first_key = keyboard.last_key = key;
+  return maker_of_keyboard(keyboard, named, read);
 }
 
 std::optional<InstrumentMaker> maker_of_shipped(const std::string& name) {

@@ -65,6 +65,11 @@ struct MadeOfParts {
 [[nodiscard]] InstrumentMaker maker_of_text(std::string_view text, const std::string& file, const ReadFile& read,
                                             DesignedMaterials& materials);
 
+/// One key of the keyboard on a body in the text of a file, which plays it as the whole keyboard does while nothing
+/// else sounds. Throws BadInput.
+[[nodiscard]] InstrumentMaker maker_of_key(std::string_view text, const std::string& file, const ReadFile& read,
+                                           int key);
+
 /// The instrument that ships under a name, or nothing.
 [[nodiscard]] std::optional<InstrumentMaker> maker_of_shipped(const std::string& name);
 

@@ -25,7 +25,6 @@
 namespace contactspline {
 namespace {
 
-constexpr std::string_view kLeft = "left_", kRight = "right_";  // outputs of the sides begin so
 constexpr std::size_t kColumns = 1200;
 constexpr std::size_t kBlock = 4096, kMaxSteady = 1024;  // samples
 
@@ -482,18 +481,15 @@ void choose_best_output(const Score& score, PlayOptions& options) {
     return;
   }
   const std::vector<Output> outputs = outputs_of(score);
-  const auto beginning = [&](std::string_view side) {
-    return std::ranges::find_if(outputs, [&](const Output& o) { return std::string_view(o.name).starts_with(side); });
-  };
-  const auto left = beginning(kLeft), right = beginning(kRight);
-  if (left == outputs.end() || right == outputs.end() || std::string_view(left->unit) != right->unit) return;
-  options.output = static_cast<std::size_t>(left - outputs.begin());
-  options.right_output = static_cast<std::size_t>(right - outputs.begin());
+  const Sides sides = sides_of(outputs, 0);
+  if (sides.left == sides.right) return;
+  options.output = sides.left;
+  options.right_output = sides.right;
 }
 
 Output sounding_output(const Score& score, const PlayOptions& options) {
   Output output = outputs_of(score)[options.output];
-  if (options.right_output) output.name += kLeft.size();
+  if (options.right_output) output.name += Sides::kLeft.size();
   return output;
 }
 

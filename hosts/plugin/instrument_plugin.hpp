@@ -91,8 +91,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
         outputs_(instrument().outputs().size()),
         unheard_(outputs_.size()),
         peaks_(outputs_.size()),
-        left_(output_beginning(instrument().outputs(), "left_", 0)),
-        right_(output_beginning(instrument().outputs(), "right_", left_)) {
+        sides_(sides_of(instrument().outputs(), 0)) {
     for (std::size_t p = 0; p < values_.size(); ++p) values_[p].shown = shown(p, control(p).initial);
     for (std::size_t o = 0; o < peaks_.size(); ++o) {
       const Output& output = instrument().outputs()[o];
@@ -172,7 +171,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
   }
 
   WindowTable window_table() const override {
-    WindowTable table = window_table_of(instrument(), this->numbers, left_);
+    WindowTable table = window_table_of(instrument(), this->numbers, sides_.left);
     table.title = DISTRHO_PLUGIN_NAME;
     for (std::size_t p = volume_index_; p < tuning_index_; ++p)
       table.parameters.push_back(WindowParameter::of(control(p)));
@@ -520,9 +519,9 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
   // The input may be an output, too: of each piece it is read before the outputs are written.
   void play_piece(const float* input, float** outputs, std::size_t begin, std::size_t samples) {
     for (std::size_t o = 0; o < outputs_.size(); ++o) outputs_[o] = unheard_[o].data();
-    float* const left = outputs_[left_] = outputs[0] + begin;
+    float* const left = outputs_[sides_.left] = outputs[0] + begin;
     float* const right = outputs[1] + begin;
-    if (right_ != left_) outputs_[right_] = right;
+    if (sides_.right != sides_.left) outputs_[sides_.right] = right;
     const bool is_watched = ring_.is_watched();
     const std::span force(forces_.data(), is_watched ? samples : 0);
     this->hosted.template process<float>(outputs_, samples, force, input == nullptr ? nullptr : input + begin);
@@ -530,7 +529,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
     for (std::size_t o = 0; o < outputs_.size(); ++o) measure(peaks_[o], {outputs_[o], samples});
     for (std::size_t n = 0; n < samples; ++n) {
       volume_ += volume_rate_ * (volume_target_ - volume_);
-      if (right_ == left_) right[n] = left[n];
+      if (sides_.right == sides_.left) right[n] = left[n];
       left[n] *= volume_;
       right[n] *= volume_;
     }
@@ -539,7 +538,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
   void show(std::span<const T> force) {
     std::array<float, kBlock> in_single;
     std::transform(force.begin(), force.end(), in_single.begin(), [](auto f) { return static_cast<float>(f); });
-    ring_.write({outputs_[left_], force.size()}, std::span(in_single).first(force.size()),
+    ring_.write({outputs_[sides_.left], force.size()}, std::span(in_single).first(force.size()),
                 static_cast<float>(instrument().energy()), begun_);
   }
 
@@ -585,7 +584,7 @@ class InstrumentPlugin : private detail::PluginInstrument<T>, public WindowedPlu
   std::vector<float*> outputs_;
   std::vector<std::array<float, kBlock>> unheard_;  // of outputs that are on neither side
   std::vector<Peak> peaks_;
-  std::size_t left_, right_;
+  Sides sides_;
   ContactRing ring_;
   HeldKeys held_keys_;
   const bool is_bent_ = instrument().bends_keys() ||  // by MIDI

@@ -32,8 +32,7 @@ class Playable {
         replaceable_(*new Replaceable<float>(finer(std::move(made_.handle)))),
         hosted_(Handle<float>(&replaceable_)) {
     const std::span<const Output> outputs = instrument().outputs();
-    left_ = output_beginning(outputs, "left_", made_.output);
-    right_ = output_beginning(outputs, "right_", left_);
+    sides_ = sides_of(outputs, made_.output);
     wanted_.resize(outputs.size());
   }
 
@@ -65,10 +64,10 @@ class Playable {
 
   void process(std::span<float> left, std::span<float> right, std::span<float> force) {
     std::ranges::fill(wanted_, nullptr);
-    wanted_[left_] = left.data();
-    if (right_ != left_) wanted_[right_] = right.data();
+    wanted_[sides_.left] = left.data();
+    if (sides_.right != sides_.left) wanted_[sides_.right] = right.data();
     hosted_.process(std::span<float* const>(wanted_), left.size(), force);
-    if (right_ == left_) std::ranges::copy(left, right.begin());
+    if (sides_.right == sides_.left) std::ranges::copy(left, right.begin());
   }
 
   [[nodiscard]] double energy() const { return instrument().energy(); }  ///< stored [J]
@@ -145,7 +144,7 @@ class Playable {
   int oversampling_;
   Replaceable<float>& replaceable_;  // which hosted_ owns
   Hosted<float> hosted_;
-  std::size_t left_, right_;    // among the outputs
+  Sides sides_;                 // among the outputs
   std::vector<float*> wanted_;  // of the outputs
 };
 

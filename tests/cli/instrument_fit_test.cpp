@@ -59,6 +59,25 @@ const Known kDrum{"Drum",
                    {"places[0].position_m", 0.05, 0.02, 0.1, 0.02}},
                   {{45, 0.3}, {45, 0.9}, {45, 0.6, true}}};
 
+// Keys of a keyboard whose dampers keep the others quiet.
+const Known kPiano{"Piano",
+                   R"({ "name": "octave", "keyboard": {
+    "first_key": 60, "last_key": 72, "first_double_key": 32, "first_triple_key": 44, "last_damped_key": 88,
+    "concert_pitch_hz": 440, "min_speed_m_per_s": 0.2, "max_speed_m_per_s": 6, "felt_loss_s_per_m": 0.1,
+    "damper_per_s": 60, "damper_time_s": 0.005, "segments": 48,
+    "body": { "resonator": "soundboard", "double_hz": [-0.017, 0.017], "triple_hz": [-0.0226, 0.0057, 0.0283],
+      "una_corda_stiffness_ratio": 0.5, "pickup_ratio": 0.25, "mobility_m_per_n_s": 7e-4 },
+    "notes": [{ "key": 60, "length_m": 0.657, "mass_kg": 0.004051, "bending_stiffness_n_m2": @0,
+      "strike_position_m": @1, "constant_loss_per_s": 0.33, "quadratic_loss_m2_per_s": 1e-4, "hammer_mass_kg": @2,
+      "stiffness_n_per_m_alpha": 2.35e9, "exponent": 2.42, "bridge_ratio": 0.9, "output_ratio": 1 },
+      { "key": 72, "length_m": 0.35, "mass_kg": 0.0020, "bending_stiffness_n_m2": 0.0075, "strike_position_m": 0.038,
+      "constant_loss_per_s": 0.33, "quadratic_loss_m2_per_s": 6e-5, "hammer_mass_kg": 0.0061,
+      "stiffness_n_per_m_alpha": 8e9, "exponent": 2.6, "bridge_ratio": 0.9, "output_ratio": 1 }] } })",
+                   {{"keyboard.notes[0].bending_stiffness_n_m2", 0.00928, 0.007, 0.013, 0.02},
+                    {"keyboard.notes[0].strike_position_m", 0.078, 0.07, 0.12, 0.02},
+                    {"keyboard.notes[0].hammer_mass_kg", 0.007, 0.005, 0.02, 0.05}},
+                   {{60, 0.3}, {60, 0.9}, {61, 0.6, true}}};
+
 class FittedInstrument : public ::testing::TestWithParam<Known> {};
 
 TEST_P(FittedInstrument, HasTheNumbersOfTheRecordedOne) {
@@ -81,7 +100,7 @@ TEST_P(FittedInstrument, HasTheNumbersOfTheRecordedOne) {
   succeed(run({.arguments = {"inspect", "found.json"}, .folder = box.path()}));
 }
 
-INSTANTIATE_TEST_SUITE_P(Known, FittedInstrument, ::testing::Values(kKalimba, kString, kDrum),
+INSTANTIATE_TEST_SUITE_P(Known, FittedInstrument, ::testing::Values(kKalimba, kString, kDrum, kPiano),
                          [](const auto& known) { return known.param.test; });
 
 TEST(FitOfAnInstrument, WritesTheFileThatWasOpenWithItsCommentsAndDrawsAFigure) {

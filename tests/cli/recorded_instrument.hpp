@@ -28,7 +28,7 @@ struct Note {
   bool is_kept = false;
 };
 
-/// An instrument file with @0, @1, ... in place of its open numbers.
+/// An instrument file, or a keyboard of 0.2 to 6 m/s, with @0, @1, ... in place of its open numbers.
 struct Known {
   std::string test, file;
   std::vector<Open> open;
@@ -50,6 +50,20 @@ struct Known {
 
 inline void PrintTo(const Known& known, std::ostream* stream) {
   *stream << known.test;
+}
+
+// How a score says how hard a key is struck.
+inline std::string strength(const Known& known, double velocity) {
+  const bool is_keyboard = known.file.find("\"keyboard\"") != known.file.npos;
+  return is_keyboard ? fmt::format(R"("speed_m_per_s": {})", 0.2 * std::pow(30, velocity))
+                     : fmt::format(R"("velocity": {})", velocity);
+}
+
+inline std::vector<double> mean_of_channels(const Sound& sound) {
+  const auto channels = static_cast<std::size_t>(sound.channels);
+  std::vector<double> mean(sound.samples.size() / channels);
+  for (std::size_t i = 0; i < sound.samples.size(); ++i) mean[i / channels] += sound.samples[i] / double(channels);
+  return mean;
 }
 
 // A room of 0.2 s, 50 dB softer than the note, and noise.
@@ -89,16 +103,16 @@ inline void record(const Sandbox& box, const Known& known, const std::string& mo
   for (std::size_t n = 0; n < known.notes.size(); ++n) {
     const auto& [key, velocity, is_kept] = known.notes[n];
     write_file(box / "score.json", fmt::format(R"({{ "instrument": "true.json", "duration_s": 0.9,
-                                 "events": [{{ "time_s": 0.2, "key": {}, "velocity": {} }}] }})",
-                                               key, velocity));
+                                 "events": [{{ "time_s": 0.2, "key": {}, {} }}] }})",
+                                               key, strength(known, velocity)));
     succeed(run(
         {.arguments = {"render", "score.json", "--no-figure", "--rate", fmt::format("{}", kRate), "-o", "dry.wav"},
          .folder = box.path()}));
     const std::string name = fmt::format("note_{}.wav", n);
-    write_sound(
-        box / name,
-        in_a_room(read_sound(box / "dry.wav").samples, kRate, known.noise, known.seed + static_cast<unsigned>(n)),
-        kRate, static_cast<int>(1 + n % 2));
+    write_sound(box / name,
+                in_a_room(mean_of_channels(read_sound(box / "dry.wav")), kRate, known.noise,
+                          known.seed + static_cast<unsigned>(n)),
+                kRate, static_cast<int>(1 + n % 2));
     recordings += fmt::format(R"({}{{ "file": "{}", "key": {}, "velocity": {}, "kept": {} }})", n > 0 ? ", " : "",
                               name, key, velocity, is_kept);
   }

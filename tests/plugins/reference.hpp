@@ -54,8 +54,7 @@ class ReferenceOf : public Reference {
   [[nodiscard]] HostedPlugin::Sound run(std::size_t samples, const float* input = nullptr) override {
     HostedPlugin::Sound sound;
     for (auto& side : sound) side.resize(samples);
-    const std::size_t left = output_beginning(instrument().outputs(), "left_", 0);
-    const std::size_t right = output_beginning(instrument().outputs(), "right_", left);
+    const auto [left, right] = sides_of(instrument().outputs(), 0);
     std::vector<float*> outputs;
     for (auto& unheard : unheard_) {
       unheard.resize(samples);

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -79,6 +80,27 @@ struct Output {
   const char* unit;       ///< of SI
   double full_scale = 1;  ///< the value that hosts play as 1
 };
+
+/// Outputs on the left and on the right; one output if they are equal.
+struct Sides {
+  std::size_t left, right;
+
+  static constexpr std::string_view kLeft = "left_", kRight = "right_";
+};
+
+/// The first outputs whose names begin with `left_` and `right_`, if both are there and have one unit; else this one
+/// on both sides.
+[[nodiscard]] constexpr Sides sides_of(std::span<const Output> outputs, std::size_t otherwise) {
+  const auto beginning = [&](std::string_view side) {
+    std::size_t o = 0;
+    while (o < outputs.size() && !std::string_view(outputs[o].name).starts_with(side)) ++o;
+    return o;
+  };
+  const Sides sides{beginning(Sides::kLeft), beginning(Sides::kRight)};
+  const bool are_there = sides.left < outputs.size() && sides.right < outputs.size();
+  if (are_there && std::string_view(outputs[sides.left].unit) == outputs[sides.right].unit) return sides;
+  return {otherwise, otherwise};
+}
 
 /// A value for each parameter.
 struct Preset {

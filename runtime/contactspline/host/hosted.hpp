@@ -31,14 +31,6 @@
 
 namespace contactspline {
 
-/// The first output of a list whose name begins so, or another one.
-[[nodiscard]] constexpr std::size_t output_beginning(std::span<const Output> outputs, std::string_view beginning,
-                                                     std::size_t otherwise) {
-  for (std::size_t o = 0; o < outputs.size(); ++o)
-    if (std::string_view(outputs[o].name).starts_with(beginning)) return o;
-  return otherwise;
-}
-
 /// Plays an instrument for Faust's dsp, for plug-ins and the like. prepare() allocates, all else is safe on an audio
 /// thread. An instrument that rests sleeps (sleeper.hpp).
 template <std::floating_point T>
