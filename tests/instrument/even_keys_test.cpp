@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
-// The keys of instruments that ship are about as loud as their neighbours, and ring about as long.
+// The keys of instruments that ship are about as loud as their neighbours, ring about as long, and are louder the
+// harder they are hit.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <ostream>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -31,14 +33,19 @@ struct Heard {
   double level, fall;
 };
 
-Heard heard(AnyInstrument<double>& instrument, int key) {
+std::vector<double> played(AnyInstrument<double>& instrument, int key, double velocity) {
   instrument.reset();
-  instrument.note_on(key, 0.7);
+  instrument.note_on(key, velocity);
   std::vector<double> sound(static_cast<std::size_t>(0.6 * kRate));
   std::vector<std::span<double>> outputs(instrument.outputs().size());
   outputs[0] = sound;
   instrument.process(outputs, {});
   weigh(sound, kRate);
+  return sound;
+}
+
+Heard heard(AnyInstrument<double>& instrument, int key) {
+  const std::vector<double> sound = played(instrument, key, 0.7);
   return {decibels(sound, 0, 0.6), decibels(sound, 0.1, 0.35) - decibels(sound, 0.35, 0.6)};
 }
 
@@ -92,6 +99,39 @@ INSTANTIATE_TEST_SUITE_P(Shipped, EvenKeys,
                                            Bounds{"classical_guitar", 4.5, 5, 3}, Bounds{"violin", 6, 8, 0},
                                            Bounds{"cello", 6, 14, 0}, Bounds{"steel_guitar", 3.5, 5, 3}),
                          [](const auto& tested) { return std::string(tested.param.name); });
+
+class SomeKeys : public ::testing::TestWithParam<std::string> {};
+
+// A weighted level in dB, of the first and the last key of each range and the one between them.
+TEST_P(SomeKeys, AreLouderTheHarderTheyAreHit) {
+  const InstrumentArrays arrays =
+      arrays_of(parse_instrument(find_embedded(Shipped::kInstruments, GetParam())->content, GetParam()), kRate / 2);
+  const Handle<double> instrument = Engine<double>::network(arrays.view());
+  instrument->prepare(kRate);
+  double smallest_rise = 100;
+  for (const KeyRange& range : arrays.model->keys.ranges)
+    for (const int key : std::set{range.first, (range.first + range.last) / 2, range.last}) {
+      double before = decibels(played(*instrument, key, 0.1), 0, 0.6);
+      EXPECT_TRUE(std::isfinite(before)) << "key " << key << " is silent";
+      for (const double velocity : {0.4, 1.0}) {
+        const double level = decibels(played(*instrument, key, velocity), 0, 0.6);
+        EXPECT_GT(level, before) << "key " << key << " at velocity " << velocity;
+        smallest_rise = std::min(smallest_rise, level - before);
+        before = level;
+      }
+    }
+  Measured() << GetParam() << ": at least " << smallest_rise << " dB louder";
+}
+
+// Bows are as fast at every velocity.
+std::vector<std::string> struck_or_plucked() {
+  std::vector<std::string> names;
+  for (const EmbeddedFile& file : embedded_files(Shipped::kInstruments))
+    if (file.content.find("\"frictions\"") == file.content.npos) names.emplace_back(file.name);
+  return names;
+}
+INSTANTIATE_TEST_SUITE_P(Shipped, SomeKeys, ::testing::ValuesIn(struck_or_plucked()),
+                         [](const auto& tested) { return tested.param.substr(0, tested.param.find('.')); });
 
 }  // namespace
 }  // namespace contactspline::testing
