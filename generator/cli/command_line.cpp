@@ -82,7 +82,9 @@ std::string explained(const CLI::App& app, const CLI::ParseError& error) {
     const std::string what = wrong == name + " is required" ? label + ": missing"
                              : wrong.starts_with(name)      ? label + wrong.substr(name.size())
                                                             : label + ": " + wrong;
-    return fmt::format("{}; allowed: {}", what, option->get_description());
+    std::string allowed = option->get_description();
+    std::ranges::replace(allowed, '\n', ' ');
+    return fmt::format("{}; allowed: {}", what, allowed);
   }
   return wrong;
 }

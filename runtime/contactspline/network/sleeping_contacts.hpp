@@ -44,6 +44,8 @@ class SleepingContacts {
   /// Wakes one between two samples.
   void wake(NetworkConnection<T>& c) { c.is_awake = is_list_old_ = true; }
   void restart() { since_interval_ = 0; }
+  /// Springs without stiffness and resistance, too, are computed in each sample from now on.
+  void keep_springs_awake() { springs_sleep_ = false; }
 
   /// Takes the motion of a gap or place from the slacks of its contact [m].
   void shrink(NetworkParts<T>& parts, NetworkConnection<T>& c, T motion) {
@@ -190,7 +192,8 @@ class SleepingContacts {
   void fall_asleep(NetworkParts<T>& parts, NetworkConnection<T>& c, const CoupledConnection<T>& acting) {
     if (acting.force != 0 || acting.is_friction) return;
     const bool is_spring = acting.table.empty();
-    if (is_spring && (c.is_following || acting.spring_n_per_m != 0 || acting.resistance != 0)) return;
+    if (is_spring && (!springs_sleep_ || c.is_following || acting.spring_n_per_m != 0 || acting.resistance != 0))
+      return;
     const double gap = is_spring ? kNever : -double(acting.compression);
     if (!(gap > kSleepingSamples * motion(parts, c)) || gap <= 0) return;
     c.is_awake = false;
@@ -200,7 +203,7 @@ class SleepingContacts {
 
   IndexList awake_, bodies_;  // connections; bodies with others, that sleep
   int since_interval_ = 0;
-  bool is_list_old_ = true;
+  bool is_list_old_ = true, springs_sleep_ = true;
 };
 
 }  // namespace contactspline::detail
