@@ -188,6 +188,7 @@ TEST(RandomNetworks, SleepOnlyWhileApart) {
     RandomNetwork random_network(seed);
     Random& random = random_network.random;
     auto network = random_network.network(CoupledContacts<double>::kMaxSteps);
+    network.let_springs_sleep();
     const auto& connections = random_network.plan.connections();
     const auto is_spring = [&](std::size_t k) { return connections[k].table.empty() && !connections[k].is_rigid; };
     std::vector<char> slept(connections.size());

@@ -77,6 +77,7 @@ class NetworkInstrument : public PlayedByEvents<NetworkInstrument<T>> {
     sample_rate_hz_ = sample_rate_hz;
     const NetworkPlan<T> plan = parts_.plan(data_);
     network_.emplace(plan, sample_rate_hz);
+    network_->let_springs_sleep();
     for (const std::size_t k : rubbing_) rub(k);
     for (Stroke& stroke : strokes_) stroke.prepare(sample_rate_hz);
     strikes_.prepare(plan);

@@ -266,8 +266,8 @@ class ContactNetwork {
   [[nodiscard]] T gap(std::size_t connection) const { return parts_.connections[connection].gap; }  ///< that acts [m]
   /// Are gaps, stiffnesses or places still behind their controls? Not a surface that slides on and on.
   [[nodiscard]] bool is_following() const { return controls_.is_following(); }
-  /// Lets solver().active() list springs without stiffness and resistance, too, from now on.
-  void keep_springs_awake() { sleeping_.keep_springs_awake(); }
+  /// From now on springs without stiffness and resistance cost nothing, and are not in solver().active().
+  void let_springs_sleep() { sleeping_.let_springs_sleep(); }
   /// Is it a contact too far apart to be looked at, or a spring without stiffness and resistance?
   [[nodiscard]] bool is_sleeping(std::size_t connection) const { return !parts_.connections[connection].is_awake; }
   /// How many of them there are.

@@ -20,8 +20,8 @@ namespace contactspline::detail {
 
 /// Lets contacts sleep that cannot touch soon, and wakes them in the sample in which they may. The gap of a sleeping
 /// contact is divided between the bodies that move it. A body that may have used up its part of a gap has that gap
-/// measured again (docs/how-it-works/several-contacts.md). Springs sleep while they have no stiffness and no
-/// resistance.
+/// measured again (docs/how-it-works/several-contacts.md). Where springs may sleep, they do while they have no
+/// stiffness and no resistance.
 template <std::floating_point T>
 class SleepingContacts {
  public:
@@ -44,8 +44,8 @@ class SleepingContacts {
   /// Wakes one between two samples.
   void wake(NetworkConnection<T>& c) { c.is_awake = is_list_old_ = true; }
   void restart() { since_interval_ = 0; }
-  /// Springs without stiffness and resistance, too, are computed in each sample from now on.
-  void keep_springs_awake() { springs_sleep_ = false; }
+  /// Springs without stiffness and resistance may sleep from now on.
+  void let_springs_sleep() { springs_sleep_ = true; }
 
   /// Takes the motion of a gap or place from the slacks of its contact [m].
   void shrink(NetworkParts<T>& parts, NetworkConnection<T>& c, T motion) {
@@ -203,7 +203,7 @@ class SleepingContacts {
 
   IndexList awake_, bodies_;  // connections; bodies with others, that sleep
   int since_interval_ = 0;
-  bool is_list_old_ = true, springs_sleep_ = true;
+  bool is_list_old_ = true, springs_sleep_ = false;
 };
 
 }  // namespace contactspline::detail

@@ -36,7 +36,6 @@ class RecordedNetwork {
   /// and none of its friction is at a place that moves along a string.
   RecordedNetwork(const NetworkPlan<T>& plan, double sample_rate_hz)
       : plan_(plan), rate_(sample_rate_hz), model_(plan, sample_rate_hz) {
-    model_.keep_springs_awake();  // the derivatives by their stiffness
     for (std::size_t k = 0; k < plan.connections().size(); ++k)
       if (!plan.connections()[k].memories.empty()) remembering_.push_back(k);
     for (std::size_t k = 0; k < plan.connections().size(); ++k)
