@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Notes of the classical guitar by Laplace transforms, which take a tenth of the time of rendered ones: its file is linear.
+"""Notes of classical and steel guitar by Laplace transforms, which take a tenth of the time of rendered ones: their files are linear.
 
-All strings push the top at the saddle. With Z the sum of their impedances there, Y the mobility of the body and G the ratio of a
+All strings push the body at the saddle. With Z the sum of their impedances there, Y the mobility of the body and G the ratio of a
 string's mobility from finger to saddle over that at the saddle, a finger's force F moves the saddle by Y G F/(1 + Y Z).
 The sum is taken on the line Re s = DECAY over the time, so that what sounds longer wraps around 80 dB softer.
 """
@@ -40,27 +40,35 @@ def string_at_saddle(body, saddle_m, plucked_m, semitones, rate, count):
     return 1 / at_saddle, over / at_saddle
 
 
+@lru_cache(512)
+def mode_of_1_kg(frequency, decay, rate, count):
+    """Mobility."""
+    s = line(rate, count)
+    return s / (s * s + 2 * decay * s + (2 * np.pi * frequency) ** 2)
+
+
 @lru_cache(8)
 def body_at_saddle(text, rate, count):
     """Mobility at the saddle, and what is heard of a force there."""
-    modes, saddle, heard, air, stiffness, resistance = json.loads(text)
+    modes, saddle, heard, *of_cavity = json.loads(text)
     s = line(rate, count)
     mobility, radiated = np.zeros(len(s), complex), np.zeros(len(s), complex)
     for i, (mode, shape, outside) in enumerate(zip(modes, saddle, heard)):
-        denominator = mode["mass_kg"] * (s * s + 2 * mode["decay_per_s"] * s + (2 * np.pi * mode["frequency_hz"]) ** 2)
-        if i == 0:  # the one on the spring of the air
+        of_mode = mode_of_1_kg(mode["frequency_hz"], mode["decay_per_s"], rate, count) / mode["mass_kg"]
+        if i == 0 and of_cavity:  # the one on the spring of the air
+            air, stiffness, resistance = of_cavity
             of_air = air * s * s + resistance * s + stiffness
-            denominator += stiffness - stiffness ** 2 / of_air
+            of_mode = of_mode / (1 + of_mode * (stiffness - stiffness ** 2 / of_air) / s)
             outside = outside - stiffness / of_air
-        mobility += shape * shape * s / denominator
-        radiated += outside * shape * s / denominator
+        mobility += shape * shape * of_mode
+        radiated += outside * shape * of_mode
     return mobility, radiated
 
 
 def note(file, key, seconds, rate=RATE):
-    """The sound of the output `body` at `rate` [Hz], times a constant, for `seconds` or up to twice as long. file: of make.py, some strings or all."""
+    """The sound of the first output at `rate` [Hz], times a constant, for `seconds` or up to twice as long. file: of make.py, some strings or all."""
     count = 1 << int(np.ceil(np.log2((seconds + 0.1) * rate)))
-    bodies, places, springs = ({part["name"]: part for part in file[name]} for name in ("bodies", "places", "springs"))
+    bodies, places, springs = ({part["name"]: part for part in file.get(name, [])} for name in ("bodies", "places", "springs"))
     row = next(row for row in file["keys"] if row["first"] <= key <= row["last"])
     impedance = 0
     for name, body in bodies.items():
@@ -72,8 +80,9 @@ def note(file, key, seconds, rate=RATE):
         if name == row["string"]:
             over = gain
     force = next(control["release_n"] for control in file["controls"] if control.get("force_n") == f"{row['string']}_plucked")
-    parts = [bodies["top"]["modes"], places["saddle"]["shapes"], places["heard"]["shapes"], bodies["air"]["mass_kg"],
-             springs["cavity"]["stiffness_n_per_m"], springs["hole"]["resistance_n_s_per_m"]]
+    modes = next(body["modes"] for body in bodies.values() if "modes" in body)
+    cavity = [bodies["air"]["mass_kg"], springs["cavity"]["stiffness_n_per_m"], springs["hole"]["resistance_n_s_per_m"]] if springs else []
+    parts = [modes, places["saddle"]["shapes"], places["heard"]["shapes"], *cavity]
     mobility, radiated = body_at_saddle(json.dumps(parts), rate, count)
     s = line(rate, count)
     pluck = force * np.exp(-s * BEGIN_S) * (1 - np.exp(-s * RISE_S) * (1 + s * RISE_S)) / (s * s * RISE_S)

@@ -5,19 +5,21 @@
     make.py write INSTRUMENT FILE
     make.py fit PROGRAM INSTRUMENT RECORDINGS FILE
     make.py strings RECORDINGS
+    make.py place RECORDINGS
     make.py distance PROGRAM FILE FITTED KEPT
 
 PROGRAM is contactspline; INSTRUMENT is classical_guitar, steel_guitar, fret_guitar, slap_bass or lap_steel. RECORDINGS, FITTED and KEPT
 hold SOURCE/KEY.wav, single notes of open strings at 44.1 kHz under their keys of MIDI. `write` writes FILE from the numbers below, `fit`
 from those that it finds and prints. It searches by least squares from where a search ended: of the classical guitar forces of the
 fingers, masses, decays and shapes of the body's modes and how strongly they sound outside, above 1.3 kHz a curve over the frequency; of
-the steel guitar losses and where the strings are plucked, too, but no shapes, and a curve from 600 Hz on; of the fret guitar losses,
-where it is plucked and where its magnet is, and how the modes of the amplifier sound; of the slap bass the place of its magnet and these
-modes; of the lap steel the places of pick and magnet and these modes. `strings` searches losses of the nylon strings and where each is
-plucked, one string after the other on the body as it is, and prints them: least squares end where they begin, for a place moves the
-zeros of the spectrum from partial to partial. The two searches were run in turn, twice. What is made small is that of bench/strings.py
-and, for all keys of the classical guitar and many of the steel guitar, how much louder they are than the mean of them, less the median of
-that over the sources [dB(A)], between the keys that were recorded on a line. Notes of the classical guitar are those of linear.py. A
+the steel guitar losses and where each string is plucked, too, but no shapes, and a curve from 600 Hz on; of the fret guitar losses, where
+it is plucked and where its magnet is, and how the modes of the amplifier sound; of the slap bass the place of its magnet and these modes;
+of the lap steel the places of pick and magnet and these modes. Least squares leave a place near where they begin, for it moves the zeros
+of the spectrum from partial to partial. So `strings` searches losses of the nylon strings and where each is plucked, one string after the
+other on the body as it is, and prints them; this search and `fit` were run in turn, twice. `place` compares places of all steel strings
+together, from 60 to 220 mm from the saddle: it ends at 90 mm, from where `fit` moves each string's. What is made small is that of
+bench/strings.py and, for all keys of the classical guitar and many of the steel guitar, how much louder they are than the mean of them,
+less the median of that over the sources [dB(A)], between the keys that were recorded on a line. Notes of both are those of linear.py. A
 decay of up to four times that of a usual body keeps keys beside a mode of it as loud as others, and in tune. The string of the fret guitar
 is plucked as fast on all keys.
 
@@ -85,14 +87,17 @@ STEEL_STRINGS = {name: (key, string["mass_kg"] / string["length_m"], modes, np.p
 STEEL_SHARP = {"e2": 0, "a2": 2.5, "d3": 0.5, "g3": 2.5, "b3": 6.5, "e4": 9}  # cents, as SHARP
 STEEL_LOW = [100, 200, 235, 290, 385, 440, 520, 580]  # modes that have numbers of their own [Hz]
 STEEL_KNOTS = [643.7, 1000, 1700, 2800, 4600]
-STEEL_USUAL = {**{f"release_{s}": 4 for s in STEEL_STRINGS}, **{f"constant_{s}": 1 for s in STEEL_STRINGS}, **{f"quadratic_{s}": 3e-4 for s in STEEL_STRINGS}, "plucked": 0.13,
+# They are plucked where `place` ends.
+STEEL_USUAL = {**{f"release_{s}": 4 for s in STEEL_STRINGS}, **{f"constant_{s}": 1 for s in STEEL_STRINGS}, **{f"quadratic_{s}": 3e-4 for s in STEEL_STRINGS},
+               **{f"plucked_{s}": 0.09 for s in STEEL_STRINGS},
                "low_mass": 1, "high_mass": 1, "decay": 1, **{f"heard_{f}": 1 for f in STEEL_LOW + STEEL_KNOTS}}
-STEEL_BEGIN = {"release_e2": 5.15, "release_a2": 4.32, "release_d3": 5.07, "release_g3": 3.5, "release_b3": 3.59, "release_e4": 3.68,
-               "constant_e2": 0.382, "constant_a2": 0.495, "constant_d3": 0.195, "constant_g3": 0.231, "constant_b3": 0.698, "constant_e4": 1.14,
-               "quadratic_e2": 0.000267, "quadratic_a2": 0.000266, "quadratic_d3": 0.00019, "quadratic_g3": 0.000316, "quadratic_b3": 0.000376,
-               "quadratic_e4": 0.000492, "plucked": 0.142, "low_mass": 6.08, "high_mass": 4.4, "decay": 2.94, "heard_100": 1.59, "heard_200": 2.56,
-               "heard_235": 1.45, "heard_290": 0.583, "heard_385": 1.2, "heard_440": 8.83, "heard_520": 0.95, "heard_580": 2.81, "heard_643.7": 3.03,
-               "heard_1000": 2.3, "heard_1700": 2.4, "heard_2800": 4.41, "heard_4600": 1}
+STEEL_BEGIN = {"release_e2": 5.04, "release_a2": 4.31, "release_d3": 4.6, "release_g3": 3.7, "release_b3": 3.75, "release_e4": 3.97,
+               "constant_e2": 0.479, "constant_a2": 0.636, "constant_d3": 0.206, "constant_g3": 0.424, "constant_b3": 0.95, "constant_e4": 1.4,
+               "quadratic_e2": 0.000203, "quadratic_a2": 0.000171, "quadratic_d3": 0.000223, "quadratic_g3": 0.000288, "quadratic_b3": 0.000392,
+               "quadratic_e4": 0.000418, "low_mass": 7.32, "high_mass": 4.71, "decay": 3.58, "heard_100": 2.49, "heard_200": 4.11,
+               "heard_235": 2.24, "heard_290": 0.605, "heard_385": 1.02, "heard_440": 4.34, "heard_520": 0.94, "heard_580": 5.27,
+               "heard_643.7": 4.03, "heard_1000": 2.14, "heard_1700": 3.34, "heard_2800": 5.79, "heard_4600": 1.05, "plucked_e2": 0.101,
+               "plucked_a2": 0.0913, "plucked_d3": 0.0891, "plucked_g3": 0.0952, "plucked_b3": 0.0962, "plucked_e4": 0.0912}
 STEEL_HEADER = """\
 // Six steel strings of a light set on a guitar's body, each plucked by a finger; they also sound with each other. A string runs over the
 // saddle, 0.648 m from its end, to the pin behind it. Strings and modes of the body are those of guitar_e2 to guitar_e4 and guitar_body.
@@ -177,7 +182,7 @@ def six_strings(p, names, table, sharp):
                                              "bending_stiffness_n_m2": number(b * tension * SADDLE ** 2 / np.pi ** 2),
                                              "constant_loss_per_s": number(p[f"constant_{s}"]), "quadratic_loss_m2_per_s": number(p[f"quadratic_{s}"])},
                        "max_modes": max_modes})
-        places += [{"name": f"{s}_plucked", "body": s, "position_m": number(SADDLE - p.get(f"plucked_{s}", p.get("plucked")))}, {"name": f"{s}_over_saddle", "body": s, "position_m": SADDLE}]
+        places += [{"name": f"{s}_plucked", "body": s, "position_m": number(SADDLE - p[f"plucked_{s}"])}, {"name": f"{s}_over_saddle", "body": s, "position_m": SADDLE}]
         links.append({"name": f"{s}_bridge", "between": [f"{s}_over_saddle", "saddle"]})
         controls.append({"name": f"finger_{s}", "force_n": f"{s}_plucked", "min": -20, "max": 20, "release_n": number(p[f"release_{s}"])})
         keys.append({"first": lows[i] - (2 if s == "e2" else 0), "last": lows[i + 1] - 1 if i + 1 < len(names) else lows[i] + 19,
@@ -299,6 +304,16 @@ def search_strings(folder):
         print(f"{found.fun:.1f}", {at: number(value) for at, value in numbers(found.x).items()}, flush=True)
 
 
+def search_place(folder):
+    """Plucks all steel strings at one place after the other, with usual numbers, and prints how far they are from the recordings there."""
+    of = GUITARS["steel_guitar"]
+    theirs = notes_of(folder, of)
+    for mm in range(60, 225, 5):
+        file = steel_guitar({**STEEL_USUAL, **{f"plucked_{s}": mm / 1000 for s in STEEL_STRINGS}})
+        ours = {key: Note(linear.note(file, key, of["seconds"]), key, of) for key in of["strings"]}
+        print(mm, "mm", round(sum(np.sum(residuals(ours[key], note) ** 2) for (_, key), note in theirs.items())), flush=True)
+
+
 # As bench/strings.py says.
 GUITARS = {
     "classical_guitar": {"of": guitar, "strings": {of[0]: (name,) for name, of in STRINGS.items()}, "usual": USUAL, "begin": BEGIN, "ranges": RANGES,
@@ -313,8 +328,8 @@ GUITARS = {
     "lap_steel": {"of": lap_steel, "strings": {key: () for key in (45, 50, 51, 55, 57, 59, 63, 64)}, "usual": FRET_USUAL, "begin": LAP_BEGIN, "ranges": FRET_RANGES,
                   "about": LAP_HEADER, "events": [], "velocity": 0.7, "inharmonicity": ELECTRIC, "seconds": 1.2, "top": 10000, "tops": {}, "prior": 0.05, "loudness": 0, "compared": []},
     "steel_guitar": {"of": steel_guitar, "strings": {of[0]: (name,) for name, of in STEEL_STRINGS.items()}, "usual": STEEL_USUAL, "begin": STEEL_BEGIN,
-                     "ranges": {**RANGES, "constant": (0.05, 4), "low_mass": (0.4, 10), "heard": (0.02, 50)}, "about": STEEL_HEADER, "events": [], "velocity": 1, "inharmonicity": {of[0]: of[3] for of in STEEL_STRINGS.values()},
-                     "seconds": 1.8, "top": 12000, "tops": {}, "prior": 0.5, "loudness": 1,
+                     "ranges": {**RANGES, "constant": (0.05, 4), "quadratic": (5e-5, 5e-3), "plucked": (0.06, 0.22), "low_mass": (0.4, 10), "heard": (0.02, 50)}, "about": STEEL_HEADER, "events": [], "velocity": 1, "inharmonicity": {of[0]: of[3] for of in STEEL_STRINGS.values()},
+                     "seconds": 1.8, "top": 12000, "tops": {}, "prior": 0.5, "loudness": 1, "sound": linear.note,
                      "compared": [40, 42, 43, 45, 47, 48, 50, 52, 53, 54, 55, 56, 57, 58, 59, 61, 63, 64, 66, 67, 68, 71, 74]}}
 
 
@@ -326,6 +341,8 @@ if __name__ == "__main__":
         fit(sys.argv[2], GUITARS[sys.argv[3]], *sys.argv[4:])
     elif len(sys.argv) == 3 and sys.argv[1] == "strings":
         search_strings(sys.argv[2])
+    elif len(sys.argv) == 3 and sys.argv[1] == "place":
+        search_place(sys.argv[2])
     elif len(sys.argv) == 6 and sys.argv[1] == "distance":
         distance(sys.argv[2], GUITARS, *sys.argv[3:])
     else:
