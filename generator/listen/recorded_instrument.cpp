@@ -77,6 +77,7 @@ RecordedInstrument parse_recorded_instrument(std::string_view text, const std::s
       fit.objects("recordings", {"file", "key", "velocity", "kept"}, kMaxRecordings);
   RecordedInstrument recorded;
   recorded.fit_file = file;
+  recorded.fit_text = text;
   recorded.file = fit.text(kInstrumentKey, "an instrument file (.json), relative to the fit file");
   recorded.text = read_for_key(file, kInstrumentKey, recorded.file, read);
   recorded.files.push_back(recorded.file);

@@ -25,6 +25,7 @@ struct RecordedNote {
 
 struct RecordedInstrument {
   std::string fit_file;            ///< the file that was read
+  std::string fit_text;            ///< what it says
   std::string text, file;          ///< of the instrument file
   std::vector<std::string> files;  ///< all that were read, relative to the fit file
   std::size_t open_in_text = 0;    ///< so many of the open numbers stand in the text; the others are velocities

@@ -91,9 +91,9 @@ inline void record(const Sandbox& box, const Known& known, const std::string& mo
     write_file(box / "score.json", fmt::format(R"({{ "instrument": "true.json", "duration_s": 0.9,
                                  "events": [{{ "time_s": 0.2, "key": {}, "velocity": {} }}] }})",
                                                key, velocity));
-    succeed(run(
-        {.arguments = {"render", "score.json", "--no-figure", "--rate", fmt::format("{}", kRate), "-o", "dry.wav"},
-         .folder = box.path()}));
+    succeed(run({.arguments = {"render", "score.json", "--no-figure", "--rate", fmt::format("{}", kRate),
+                               "--oversample", "4", "-o", "dry.wav"},
+                 .folder = box.path()}));
     const std::string name = fmt::format("note_{}.wav", n);
     write_sound(
         box / name,
