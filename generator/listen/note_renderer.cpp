@@ -40,18 +40,18 @@ InstrumentMaker maker_of(const RecordedInstrument& recorded, const ReadFile& rea
   return maker_of_text(filled(recorded.text, open, point), recorded.file, read, materials);
 }
 
-// That of the recording times a power of two, by which windows stay the same: a contact's error falls to a quarter
-// when the rate doubles.
-double rendered_rate_hz(const RecordedNote& note) {
+// That of the recording; where there are contacts, whose error falls to a quarter when the rate doubles, times a
+// power of two, by which windows stay the same.
+double rendered_rate_hz(const RecordedInstrument& recorded, const RecordedNote& note) {
   constexpr double kLeast_hz = 88000;
   double rate_hz = note.recording.sample_rate_hz;
-  while (rate_hz < kLeast_hz) rate_hz *= 2;
+  while (recorded.has_contacts && rate_hz < kLeast_hz) rate_hz *= 2;
   return rate_hz;
 }
 
 std::vector<double> samples_of(const InstrumentMaker& maker, const RecordedInstrument& recorded,
                                const RecordedNote& note, double velocity, double length_s) {
-  const double rate_hz = rendered_rate_hz(note);
+  const double rate_hz = rendered_rate_hz(recorded, note);
   const auto instrument = maker.make<double>(rate_hz);
   instrument->prepare(rate_hz);
   if (!instrument->has_key(note.key))
@@ -69,7 +69,7 @@ std::vector<double> samples_of(const InstrumentMaker& maker, const RecordedInstr
 // Waits until the note begins.
 NoteImpression play(const InstrumentMaker& maker, const RecordedInstrument& recorded, const RecordedNote& note,
                     const std::vector<double>& point) {
-  const double recorded_hz = note.recording.sample_rate_hz, rate_hz = rendered_rate_hz(note);
+  const double recorded_hz = note.recording.sample_rate_hz, rate_hz = rendered_rate_hz(recorded, note);
   const double velocity = note.open_velocity ? point[*note.open_velocity] : note.velocity;
   const double recorded_s = static_cast<double>(note.recording.samples.size()) / recorded_hz;
   const double seconds = std::min(recorded.seconds, recorded_s);

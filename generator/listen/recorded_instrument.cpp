@@ -83,6 +83,8 @@ RecordedInstrument parse_recorded_instrument(std::string_view text, const std::s
   recorded.files.push_back(recorded.file);
   recorded.open = open_numbers(recorded.text, recorded.file);
   recorded.open_in_text = recorded.open.size();
+  const std::vector<std::string> keys = json_keys(recorded.text, recorded.file, "instrument");
+  recorded.has_contacts = std::ranges::count(keys, "contacts") + std::ranges::count(keys, "frictions") > 0;
   if (recorded.open.empty() || recorded.open.size() > kMaxOpen)
     refuse(recorded.file, "instrument", fmt::format("has {} open numbers", recorded.open.size()),
            fmt::format("1 to {}, such as {{\"fit\": [1, 2]}} in place of a number", kMaxOpen));
