@@ -11,12 +11,14 @@
 #include "generator/cli/commands.hpp"
 #include "generator/cli/figures.hpp"
 #include "generator/cli/files.hpp"
+#include "generator/cli/unfinished_fit.hpp"
 #include "generator/cli/waiting_line.hpp"
 #include "generator/fit/fit.hpp"
 #include "generator/fit/fitted_material.hpp"
 #include "generator/fit/measurements_reader.hpp"
 #include "generator/listen/fitted_instrument.hpp"
 #include "generator/listen/instrument_fit.hpp"
+#include "generator/support/error.hpp"
 #include "generator/support/input_file.hpp"
 
 namespace contactspline {
@@ -49,6 +51,7 @@ class FitProgress {
 void require_fit_outputs(const FitOptions& options, const std::vector<std::string>& read) {
   const std::filesystem::path file = options.file;
   std::vector<std::filesystem::path> inputs{file}, outputs;
+  if (!options.output.empty()) outputs.push_back(UnfinishedFit::file_of(options.output));
   for (const std::string& path : read) inputs.push_back(file.parent_path() / path);
   for (const std::string& output : {options.output, options.figure})
     if (!output.empty()) outputs.emplace_back(output);
@@ -69,11 +72,30 @@ void fit_instrument(const FitOptions& options, const std::string& text, const Re
   const RecordedInstrument recorded = parse_recorded_instrument(text, options.file, read);
   require_fit_outputs(options, recorded.files);
   std::optional<FitProgress> progress(std::in_place);
-  const InstrumentFit found = fit_instrument(recorded, read, [&](const std::string& what) { progress->set(what); });
+  UnfinishedFit unfinished(options.output, options.force, [&] {
+    progress.reset();  // wipes its line
+    print_error(fmt::format("{0}: goes on from what an interrupted fit has found; to begin anew, remove it",
+                            UnfinishedFit::file_of(options.output).string()));
+    progress.emplace();
+  });
+  StepsOnDisk disk;
+  if (!options.output.empty())
+    disk = {[&](const std::string& inputs) { return unfinished.read(inputs); },
+            [&](const std::string& inputs, const StepResults& results) { unfinished.write(inputs, results); }};
+  const auto found = [&] {
+    try {
+      return fit_instrument(
+          recorded, read, [&](const std::string& what) { progress->set(what); }, disk);
+    } catch (const BadInput&) {
+      unfinished.remove();  // with nothing that the next fit could use
+      throw;
+    }
+  }();
   progress.reset();
   write_fit(options, {[&] { return instrument_text(found, recorded, mark()); },
                       [&] { return options.json ? json_of(found, recorded) : report_of(found, recorded); },
                       [&](FigureFormat format) { return figure_of(found, recorded, format); }});
+  unfinished.remove();
 }
 
 void fit_material(const FitOptions& options, const std::string& text, const ReadFile& read) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -117,8 +118,9 @@ std::vector<NoteImpression> recorded_impressions(const RecordedInstrument& recor
   constexpr std::size_t kMaxPartials = 10;
   std::vector<NoteImpression> impressions;
   for (const RecordedNote& note : recorded.notes) {
-    impressions.push_back(impression_of(note.recording.samples, note.recording.sample_rate_hz, recorded.seconds,
-                                        kDepth_db, kMaxPartials));
+    impressions.push_back(
+        impression_of({note.recording.samples, note.recording.sample_rate_hz, note.recording.sample_rate_hz},
+                      recorded.seconds, kDepth_db, kMaxPartials));
     if (impressions.back().power.empty())
       refuse(note.file, "samples", "end less than 0.05 s after the onset", "0.1 s or more of a note");
   }
@@ -147,15 +149,22 @@ bool changes(const NotesToMatch& matched, std::vector<NoteImpression> notes, con
                                [](double a, double b) { return (a - b) * (a - b); }) >= kLeastSquares;
 }
 
-// Adds the notes that change where a number goes to its bounds, or that do not play there.
+// Adds the notes that change where a number goes to its bounds; a bound that does not play tells nothing.
 void add_effects(std::span<const RenderedNotes> at_bounds, const NotesToMatch& matched,
                  std::vector<std::vector<bool>>& acts_on) {
-  std::optional<Residuals> here;
-  if (at_bounds[0]) here = residuals_of(matched, *at_bounds[0]);
+  if (!at_bounds[0]) return;
+  const Residuals here = residuals_of(matched, *at_bounds[0]);
   for (std::size_t i = 0; i < acts_on.size(); ++i)
     for (const RenderedNotes& there : at_bounds.subspan(1 + 2 * i, 2))
-      for (std::size_t n = 0; n < acts_on[i].size(); ++n)
-        acts_on[i][n] = acts_on[i][n] || !here || !there || changes(matched, *at_bounds[0], *here, n, (*there)[n]);
+      for (std::size_t n = 0; there && n < acts_on[i].size(); ++n)
+        acts_on[i][n] = acts_on[i][n] || changes(matched, *at_bounds[0], here, n, (*there)[n]);
+}
+
+// A number that changes no note, but does not play at one of its bounds, is taken to act on all.
+void add_untold(std::span<const RenderedNotes> at_bounds, std::vector<std::vector<bool>>& acts_on) {
+  for (std::size_t i = 0; i < acts_on.size(); ++i)
+    if (std::ranges::find(acts_on[i], true) == acts_on[i].end() && (!at_bounds[1 + 2 * i] || !at_bounds[2 + 2 * i]))
+      acts_on[i].assign(acts_on[i].size(), true);
 }
 
 // Sets which numbers act on which notes, at the start or at another place. Throws BadInput where no search could
@@ -171,6 +180,7 @@ void require_fit(const RecordedInstrument& recorded, const NoteRenderer& rendere
   const auto acts_on_all = [](const std::vector<bool>& acts) { return std::ranges::find(acts, false) == acts.end(); };
   if (!std::ranges::all_of(acts_on, acts_on_all))
     add_effects(renderer.render(with_each_bound(recorded, other), notes), problem.matched, acts_on);
+  add_untold(at_start, acts_on);
   for (std::size_t i = 0; i < start.size(); ++i) {
     if (std::ranges::find(acts_on[i], true) != acts_on[i].end()) continue;
     const OpenNumber& open = recorded.open[i];
@@ -182,21 +192,42 @@ void require_fit(const RecordedInstrument& recorded, const NoteRenderer& rendere
   problem.acts_on = std::move(acts_on);
 }
 
+// A digest of all that a search depends on (G. Fowler, L. C. Noll, K.-P. Vo, FNV-1a of 64 bits): of the files, and of
+// what is rendered at the start by the materials that they name and by this program.
+std::string digest_of(const RecordedInstrument& recorded, const std::vector<NoteImpression>& started) {
+  std::uint64_t digest = 14695981039346656037u;
+  const auto add = [&](std::string_view bytes) {
+    for (const char byte : bytes) digest = (digest ^ static_cast<unsigned char>(byte)) * 1099511628211u;
+  };
+  const auto add_numbers = [&](const std::vector<double>& numbers) {
+    add({reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double)});
+  };
+  add(recorded.fit_text);
+  add(recorded.text);
+  for (const RecordedNote& note : recorded.notes) add_numbers(note.recording.samples);
+  for (const NoteImpression& note : started) add_numbers(note.power);
+  return fmt::format("{:016x}", digest);
+}
+
 // The best place where each note is rendered with all numbers. The search leaves those out that act on it at other
 // places alone; where that makes a difference, it goes on without.
 FoundPlaces find_best_with_all(ListeningProblem& problem, const Eigen::VectorXd& start, const Tell& tell) {
   constexpr double kDifferent = 0.1;
-  FoundPlaces found = find_best(problem, start, tell);
+  const auto tell_search = [&](int search) {
+    return
+        [&tell, search](const std::string& what) { tell(fmt::format("search {} of at most 2, {}", search, what)); };
+  };
+  FoundPlaces found = find_best(problem, start, tell_search(1));
   const auto cost = [&] { return problem.with_costs({found.best.place}).front().cost; };
   const double with_some = cost();
   for (std::vector<bool>& acts : problem.acts_on) acts.assign(acts.size(), true);
-  return std::abs(cost() - with_some) < kDifferent ? found : find_best(problem, found.best.place, tell);
+  return std::abs(cost() - with_some) < kDifferent ? found : find_best(problem, found.best.place, tell_search(2));
 }
 
 }  // namespace
 
 InstrumentFit fit_instrument(const RecordedInstrument& recorded, const ReadFile& read,
-                             const std::function<void(const std::string&)>& tell) {
+                             const std::function<void(const std::string&)>& tell, const StepsOnDisk& disk) {
   constexpr double kNear_cents = 40;
   constexpr int kManySteps = 30;
   const std::vector<NoteImpression> impressions = recorded_impressions(recorded);
@@ -208,8 +239,10 @@ InstrumentFit fit_instrument(const RecordedInstrument& recorded, const ReadFile&
   for (const std::size_t n : fitted) heard.push_back(impressions[n]);
   ListeningProblem problem(recorded, renderer, fitted, heard);
   std::vector<NoteImpression> started = renderer.render_one(problem.numbers_at(problem.start()), all);
+  const std::string digest = digest_of(recorded, started);
   const auto before = distances_of(impressions, started, recorded);
   require_fit(recorded, renderer, fitted, problem);
+  if (disk.read) problem.steps = SearchSteps(digest, disk);
   tell("trying numbers all over their bounds");
   const Eigen::VectorXd start = find_place(problem);
   problem.matched.scales.far_cents = kNear_cents;

@@ -8,6 +8,7 @@
 
 #include "generator/listen/fitted_note.hpp"
 #include "generator/listen/recorded_instrument.hpp"
+#include "generator/listen/search_steps.hpp"
 
 namespace contactspline {
 
@@ -26,9 +27,11 @@ struct InstrumentFit {
 };
 
 /// Searches the open numbers by least squares from several starts (docs/how-to/fit.md). `tell` hears what is done
-/// now. Throws BadInput where the instrument cannot be made or played at the start, where an open number changes
-/// nothing, and as require_pitch() does, before the search where it can tell.
+/// now, and what an interrupted fit found is taken from the disk. Throws BadInput where the instrument cannot be made
+/// or played at the start, where an open number changes nothing, and as require_pitch() does, before the search where
+/// it can tell.
 [[nodiscard]] InstrumentFit fit_instrument(const RecordedInstrument& recorded, const ReadFile& read,
-                                           const std::function<void(const std::string&)>& tell);
+                                           const std::function<void(const std::string&)>& tell,
+                                           const StepsOnDisk& disk);
 
 }  // namespace contactspline

@@ -173,11 +173,16 @@ std::vector<std::optional<Residuals>> ListeningProblem::residuals_at(std::span<c
 
 std::vector<Candidate> ListeningProblem::with_costs(const std::vector<Eigen::VectorXd>& places) const {
   constexpr std::size_t kTogether = 128;  // residuals of more would fill the memory
+  const std::vector<double> costs = steps.next(places.size(), [&] {
+    std::vector<double> computed;
+    for (std::size_t begin = 0; begin < places.size(); begin += kTogether)
+      for (const auto& residuals :
+           residuals_at(std::span(places).subspan(begin, std::min(kTogether, places.size() - begin))))
+        computed.push_back(cost_of(residuals));
+    return computed;
+  });
   std::vector<Candidate> candidates;
-  for (std::size_t begin = 0; begin < places.size(); begin += kTogether)
-    for (const auto& residuals :
-         residuals_at(std::span(places).subspan(begin, std::min(kTogether, places.size() - begin))))
-      candidates.push_back({cost_of(residuals), places[candidates.size()]});
+  for (std::size_t p = 0; p < places.size(); ++p) candidates.push_back({costs[p], places[p]});
   return candidates;
 }
 
@@ -207,16 +212,19 @@ Eigen::MatrixXd ListeningProblem::slopes(const Eigen::VectorXd& at,
 Eigen::VectorXd ListeningProblem::search(const Eigen::VectorXd& from, int max_steps,
                                          const std::vector<std::size_t>& numbers) const {
   const SomeNumbers some(*this, from, numbers);
-  Eigen::VectorXd at(some.NumParameters());
-  for (std::size_t i = 0; i < numbers.size(); ++i)
-    at[static_cast<Eigen::Index>(i)] = from[static_cast<Eigen::Index>(numbers[i])];
+  std::vector<double> parameters;
+  for (const std::size_t number : numbers) parameters.push_back(from[static_cast<Eigen::Index>(number)]);
   ceres::TinySolver<SomeNumbers> solver;
   solver.options.max_num_iterations = max_steps;
   solver.options.initial_trust_region_radius = 10;
   solver.options.function_tolerance = 1e-3;  // of the sum of squares, absolute
   solver.options.parameter_tolerance = 1e-6;
-  solver.Solve(some, &at);
-  return some.place(at.data());
+  const std::vector<double> found = steps.next(numbers.size(), [&] {
+    Eigen::VectorXd at = Eigen::VectorXd::Map(parameters.data(), std::ssize(parameters));
+    solver.Solve(some, &at);
+    return std::vector<double>(at.begin(), at.end());
+  });
+  return some.place(found.data());
 }
 
 Eigen::VectorXd ListeningProblem::settle(Eigen::VectorXd at) {

@@ -12,6 +12,7 @@
 #include "generator/listen/note_renderer.hpp"
 #include "generator/listen/note_residuals.hpp"
 #include "generator/listen/recorded_instrument.hpp"
+#include "generator/listen/search_steps.hpp"
 
 namespace contactspline {
 
@@ -36,6 +37,7 @@ class ListeningProblem {
   /// Of each number and each fitted note: does the note depend on it? At first all do. A note is rendered with the
   /// starts of the others.
   std::vector<std::vector<bool>> acts_on;
+  mutable SearchSteps steps;  ///< each call of with_costs() and of search() is one
 
   [[nodiscard]] std::size_t size() const { return recorded_.open.size(); }
   /// Is there a note that both numbers act on?

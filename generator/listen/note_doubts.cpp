@@ -82,6 +82,19 @@ std::optional<PitchReach> reach_of(std::span<const RenderedNotes> at_bounds, std
   return reach;
 }
 
+// How far the strong partial nearest to the pitch of a key is from it, where that is nearer to another key: at most
+// two semitones, beyond which the instrument may have no such pitch.
+std::optional<double> cents_from_key(const Partials& partials, int key) {
+  constexpr double kDepth_db = 20, kOtherKey_cents = 50, kFarthest_cents = 250;
+  const double key_hz = 440 * std::exp2((key - 69) / 12.0);
+  double nearest = kFarthest_cents;
+  for (const Partial& partial : strong(partials, kDepth_db))
+    if (const double cents = cents_between(key_hz, partial.frequency_hz); std::abs(cents) < std::abs(nearest))
+      nearest = cents;
+  if (std::abs(nearest) <= kOtherKey_cents || std::abs(nearest) >= kFarthest_cents) return std::nullopt;
+  return nearest;
+}
+
 void require_pitch(const RecordedNote& note, const Partials& theirs, const Partials& ours, PitchReach reach) {
   constexpr double kFarthest_cents = 80;
   if (note.is_kept || theirs.empty() || ours.empty()) return;
@@ -130,6 +143,8 @@ std::vector<std::string> doubts_of(const RecordedInstrument& recorded, const std
     if (const auto strange = strange_partial(notes[n]))
       doubts.push_back(fmt::format("{}: the instrument has no partial near {:.5g} Hz: another note, hum?", file,
                                    strange->frequency_hz));
+    if (const auto cents = cents_from_key(notes[n].recorded.partials, recorded.notes[n].key))
+      doubts.push_back(fmt::format("{}: sounds {:+.0f} cents from its key, {}", file, *cents, recorded.notes[n].key));
     if (notes[n].recorded.noise_frames == 0)
       doubts.push_back(fmt::format("{}: its noise is not known: 0.1 s before the note would tell", file));
   }

@@ -84,8 +84,8 @@ struct Band {
   }
 };
 
-std::vector<Band> bands_of(double sample_rate_hz, std::size_t length) {
-  const double lowest = mel(kLowest_hz), highest = mel(std::min(kHighest_hz, kHighest * sample_rate_hz));
+std::vector<Band> bands_of(double sample_rate_hz, double recorded_rate_hz, std::size_t length) {
+  const double lowest = mel(kLowest_hz), highest = mel(std::min(kHighest_hz, kHighest * recorded_rate_hz));
   const double bin_hz = sample_rate_hz / static_cast<double>(length);
   const auto edge = [&](std::size_t i) {
     return frequency_of(lowest + (highest - lowest) * static_cast<double>(i) / (NoteImpression::kBands + 1));
@@ -224,11 +224,11 @@ double NoteImpression::loudest() const {
   return std::ranges::max(power);
 }
 
-NoteImpression impression_of(std::span<const double> samples, double sample_rate_hz, double seconds, double depth_db,
-                             std::size_t max_partials) {
+NoteImpression impression_of(const Sound& sound, double seconds, double depth_db, std::size_t max_partials) {
+  const auto& [samples, sample_rate_hz, recorded_rate_hz] = sound;
   const std::size_t window = std::bit_ceil(static_cast<std::size_t>(0.75 * kWindow_s * sample_rate_hz));
   const auto hop = static_cast<std::ptrdiff_t>(window / 4);
-  const std::vector<Band> bands = bands_of(sample_rate_hz, window);
+  const std::vector<Band> bands = bands_of(sample_rate_hz, recorded_rate_hz, window);
   const double exact_begin = (onset_of(samples, sample_rate_hz) - kBefore_s) * sample_rate_hz;
   const auto begin = static_cast<std::ptrdiff_t>(std::floor(exact_begin));
   const auto end = std::min(std::ssize(samples), begin + static_cast<std::ptrdiff_t>(seconds * sample_rate_hz));

@@ -27,13 +27,19 @@ struct NoteImpression {
   [[nodiscard]] double loudest() const;
 };
 
+struct Sound {
+  std::span<const double> samples;
+  double sample_rate_hz;
+  double recorded_rate_hz;  ///< of the recording that it is compared with, which has nothing above half of it
+};
+
 /// The impression of a note from 3 ms before its onset on, over so many seconds or to the end of the samples: by Hann
-/// windows of about 46 ms, a quarter of that apart, in triangular bands from 60 Hz to 16 kHz or 0.45 of the sample
+/// windows of about 46 ms, a quarter of that apart, in triangular bands from 60 Hz to 16 kHz or 0.45 of the recorded
 /// rate. The partials are the peaks of the spectrum of the 0.4 s from 20 ms after the onset on, with a Hann window,
 /// that are at most `depth_db` below the highest and stand 12 dB out of what is beside them; at most `max_partials`.
 /// Hum, which sounds as loud in the 0.1 s or more before the note, is none of them.
-[[nodiscard]] NoteImpression impression_of(std::span<const double> samples, double sample_rate_hz, double seconds,
-                                           double depth_db, std::size_t max_partials);
+[[nodiscard]] NoteImpression impression_of(const Sound& sound, double seconds, double depth_db,
+                                           std::size_t max_partials);
 
 /// How a rendered note differs from a recorded one.
 struct NoteDifference {

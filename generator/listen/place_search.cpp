@@ -167,7 +167,7 @@ FoundPlaces find_best(ListeningProblem& problem, const Eigen::VectorXd& start, c
   FoundPlaces found{{0, start}, {}};
   for (int time = 0; time < kTimes; ++time) {
     const auto tell_round = [&](const std::string& what) {
-      tell(fmt::format("searching, round {} of {} at most: {}", time + 1, kTimes, what));
+      tell(fmt::format("round {} of at most {}: {}", time + 1, kTimes, what));
     };
     tell_round("down");
     found.best = problem.with_costs({problem.settle(found.best.place)}).front();

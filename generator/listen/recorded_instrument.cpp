@@ -78,12 +78,16 @@ RecordedInstrument parse_recorded_instrument(std::string_view text, const std::s
       fit.objects("recordings", {"file", "key", "velocity", "kept"}, kMaxRecordings);
   RecordedInstrument recorded;
   recorded.fit_file = file;
+  recorded.fit_text = text;
   recorded.file = fit.text(kInstrumentKey, "an instrument or keyboard file (.json), relative to the fit file");
   recorded.text = read_for_key(file, kInstrumentKey, recorded.file, read);
   recorded.files.push_back(recorded.file);
   recorded.is_keyboard = kind_of_file(recorded.text, recorded.file, "instrument") == Shipped::kKeyboards;
   recorded.open = open_numbers(recorded.text, recorded.file);
   recorded.open_in_text = recorded.open.size();
+  const std::vector<std::string> keys = json_keys(recorded.text, recorded.file, "instrument");
+  recorded.has_contacts =
+      recorded.is_keyboard || std::ranges::count(keys, "contacts") + std::ranges::count(keys, "frictions") > 0;
   if (recorded.open.empty() || recorded.open.size() > kMaxOpen)
     refuse(recorded.file, "instrument", fmt::format("has {} open numbers", recorded.open.size()),
            fmt::format("1 to {}, such as {{\"fit\": [1, 2]}} in place of a number", kMaxOpen));

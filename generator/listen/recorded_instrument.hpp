@@ -25,8 +25,10 @@ struct RecordedNote {
 
 struct RecordedInstrument {
   std::string fit_file;            ///< the file that was read
+  std::string fit_text;            ///< what it says
   std::string text, file;          ///< of the instrument or keyboard file
   bool is_keyboard = false;        ///< is it one? Then each recorded key is played alone
+  bool has_contacts = false;       ///< or friction: steps that err with the sample rate
   std::vector<std::string> files;  ///< all that were read, relative to the fit file
   std::size_t open_in_text = 0;    ///< so many of the open numbers stand in the text; the others are velocities
   std::vector<OpenNumber> open;

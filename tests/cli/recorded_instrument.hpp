@@ -105,9 +105,9 @@ inline void record(const Sandbox& box, const Known& known, const std::string& mo
     write_file(box / "score.json", fmt::format(R"({{ "instrument": "true.json", "duration_s": 0.9,
                                  "events": [{{ "time_s": 0.2, "key": {}, {} }}] }})",
                                                key, strength(known, velocity)));
-    succeed(run(
-        {.arguments = {"render", "score.json", "--no-figure", "--rate", fmt::format("{}", kRate), "-o", "dry.wav"},
-         .folder = box.path()}));
+    succeed(run({.arguments = {"render", "score.json", "--no-figure", "--rate", fmt::format("{}", kRate),
+                               "--oversample", "4", "-o", "dry.wav"},
+                 .folder = box.path()}));
     const std::string name = fmt::format("note_{}.wav", n);
     write_sound(box / name,
                 in_a_room(mean_of_channels(read_sound(box / "dry.wav")), kRate, known.noise,
