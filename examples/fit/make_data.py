@@ -13,8 +13,9 @@ law, F = 4.903e5 y^1.5, from nominal elastic constants; contact times with noise
 mallet_*.wav: a mallet of 32 g with a rubber head, F = 8e8 y^1.8, strikes the bar that data/resonators/marimba_c4.json
 describes, in its middle, at five speeds; what an accelerometer at its end records at 44.1 kHz, with noise 70 dB below
 the loudest sample. Mallet and noise are our choice.
-kalimba_*.wav, if PROGRAM is given, the path of contactspline: it renders kalimba.json with TINES and BOX in place of the
-open numbers, at other velocities and levels; then come a room of 0.2 s and noise, both 50 dB softer. All are our choice.
+tine_*.wav and kalimba_*.wav, if PROGRAM is given, the path of contactspline: it renders tine.json with TINE, and kalimba.json
+with TINES and BOX in place of the open numbers, at other velocities and levels; then come a room of 0.2 s and noise, both 50 dB
+softer. All are our choice.
 """
 import cmath
 import json
@@ -32,6 +33,8 @@ FELT = {"mass": 2.97e-3, "stiffness": 4.5e9, "exponent": 2.5, "loss": 0.12}
 BALL = {"mass": 9e-3, "stiffness": 4.903e5, "exponent": 1.5, "loss": 0.1}
 MALLET = {"mass": 32e-3, "stiffness": 8e8, "exponent": 1.8}
 
+RATE = 22050  # Hz, of notes of instruments
+TINE = 0.0341, 5, 0.5  # bending stiffness, loss, weight of the contact
 # Cents from the key, decay of the tine, ratio and decay of its overtone, its shape at the foot.
 TINES = {
     60: (-14, 3.1, 5.72, 24, 0.034),
@@ -175,27 +178,52 @@ def in_a_room(samples, rate):
     return heard
 
 
+def filled(file, numbers):
+    """The text of an instrument file with these numbers in place of its open ones."""
+    text = (pathlib.Path(__file__).parent / file).read_text()
+    return re.sub(r'\{ "fit": \[.*?\].*?\}', lambda _: str(next(numbers)), text)
+
+
+def rendered(program, instrument, key, velocity, *more):
+    """A note as samples of 16 bits at RATE."""
+    with tempfile.TemporaryDirectory() as scratch:
+        note = {"time_s": 0.15, "key": key, "velocity": velocity}
+        score = {"instrument": "true.json", "duration_s": 0.7, "events": [note]}
+        (pathlib.Path(scratch) / "true.json").write_text(instrument)
+        (pathlib.Path(scratch) / "note.json").write_text(json.dumps(score))
+        arguments = ["note.json", "--rate", str(RATE), "--bits", "16", *more, "--no-figure", "-o", "note.wav"]
+        subprocess.run([program, "render", *arguments], cwd=scratch, check=True, stdout=subprocess.DEVNULL)
+        with wave.open(f"{scratch}/note.wav") as file:
+            count = file.getnframes()
+            return struct.unpack(f"<{count}h", file.readframes(count))
+
+
+def write_sound(path, samples):
+    with wave.open(str(path), "wb") as file:
+        file.setnchannels(1)
+        file.setsampwidth(2)
+        file.setframerate(RATE)
+        file.writeframes(struct.pack(f"<{len(samples)}h", *samples))
+
+
+def write_recording(path, note, loudest):
+    heard = in_a_room(note, RATE)
+    gain = 32767 * loudest / max(map(abs, heard))
+    write_sound(path, [round(gain * sample) for sample in heard])
+
+
+def tine(folder, program):
+    """The contact is as at 88.2 kHz."""
+    instrument = filled("tine.json", iter(TINE))
+    for number, velocity in enumerate((0.3, 0.9, 0.6), 1):
+        note = rendered(program, instrument, 69, velocity, "--oversample", "4")
+        write_recording(folder / f"tine_{number}.wav", note, 0.8)
+
+
 def kalimba(folder, program):
-    rate, here = 22050, pathlib.Path(__file__).parent
-    numbers = kalimba_numbers()
-    instrument = re.sub(r'\{ "fit": \[.*?\] \}', lambda _: str(next(numbers)), (here / "kalimba.json").read_text())
+    instrument = filled("kalimba.json", kalimba_numbers())
     for name, (key, velocity, loudest) in PLUCKS.items():
-        with tempfile.TemporaryDirectory() as scratch:
-            pluck = {"time_s": 0.15, "key": key, "velocity": velocity}
-            score = {"instrument": "true.json", "duration_s": 0.7, "events": [pluck]}
-            (pathlib.Path(scratch) / "true.json").write_text(instrument)
-            (pathlib.Path(scratch) / "note.json").write_text(json.dumps(score))
-            arguments = ["note.json", "--rate", str(rate), "--bits", "16", "--no-figure", "-o", "note.wav"]
-            subprocess.run([program, "render", *arguments], cwd=scratch, check=True, stdout=subprocess.DEVNULL)
-            with wave.open(f"{scratch}/note.wav") as file:
-                count = file.getnframes()
-                heard = in_a_room(struct.unpack(f"<{count}h", file.readframes(count)), rate)
-        gain = 32767 * loudest / max(map(abs, heard))
-        with wave.open(str(folder / f"kalimba_{name}.wav"), "wb") as file:
-            file.setnchannels(1)
-            file.setsampwidth(2)
-            file.setframerate(rate)
-            file.writeframes(struct.pack(f"<{count}h", *(round(gain * sample) for sample in heard)))
+        write_recording(folder / f"kalimba_{name}.wav", rendered(program, instrument, key, velocity), loudest)
 
 
 if __name__ == "__main__":
@@ -205,3 +233,4 @@ if __name__ == "__main__":
     mallet(pathlib.Path(sys.argv[1]))
     if len(sys.argv) > 2:
         kalimba(pathlib.Path(sys.argv[1]), sys.argv[2])
+        tine(pathlib.Path(sys.argv[1]), sys.argv[2])

@@ -58,9 +58,10 @@ TEST(FitTutorials, FindTheTineFromItsNotes) {
     const auto& found = fit.at("estimates").at(open);
     EXPECT_LE(found.at("low").get<double>(), value) << open;
     EXPECT_GE(found.at("high").get<double>(), value) << open;
-    EXPECT_LT(found.at("high").get<double>() / found.at("low").get<double>(), 1.05) << open;
+    EXPECT_LT(found.at("high").get<double>() / found.at("low").get<double>(), 1.1) << open;
   }
-  EXPECT_LT(fit.at("recordings").at(2).at("after").at("level_db").get<double>(), 0.1);
+  const auto& kept = fit.at("recordings").at(2);
+  EXPECT_LT(kept.at("after").at("level_db").get<double>(), 0.5 * kept.at("before").at("level_db").get<double>());
 }
 
 TEST(FitTutorials, HaveTheDataOfTheirScript) {
@@ -73,7 +74,7 @@ TEST(FitTutorials, HaveTheDataOfTheirScript) {
     ++files;
     EXPECT_EQ(read_file(entry.path()), read_file(kExamples / entry.path().filename())) << entry.path().filename();
   }
-  EXPECT_EQ(files, 17);
+  EXPECT_EQ(files, 20);
 }
 
 // The lines of an excerpt are lines of the whole, in their order. A line of three dots stands for others.
