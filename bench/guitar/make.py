@@ -12,16 +12,16 @@ PROGRAM is contactspline; INSTRUMENT is classical_guitar, steel_guitar, fret_gui
 hold SOURCE/KEY.wav, single notes of open strings at 44.1 kHz under their keys of MIDI. `write` writes FILE from the numbers below, `fit`
 from those that it finds and prints. It searches by least squares from where a search ended: of the classical guitar forces of the
 fingers, masses, decays and shapes of the body's modes and how strongly they sound outside, above 1.3 kHz a curve over the frequency; of
-the steel guitar losses and where each string is plucked, too, but no shapes, and a curve from 600 Hz on; of the fret guitar losses, where
-it is plucked and where its magnet is, and how the modes of the amplifier sound; of the slap bass the place of its magnet and these modes;
-of the lap steel the places of pick and magnet and these modes. Least squares leave a place near where they begin, for it moves the zeros
-of the spectrum from partial to partial. So `strings` searches losses of the nylon strings and where each is plucked, one string after the
-other on the body as it is, and prints them; this search and `fit` were run in turn, twice. `place` compares places of all steel strings
-together, from 60 to 220 mm from the saddle: it ends at 90 mm, from where `fit` moves each string's. What is made small is that of
-bench/strings.py and, for all keys of the classical guitar and many of the steel guitar, how much louder they are than the mean of them,
-less the median of that over the sources [dB(A)], between the keys that were recorded on a line. Notes of both are those of linear.py. A
-decay of up to four times that of a usual body keeps keys beside a mode of it as loud as others, and in tune. The string of the fret guitar
-is plucked as fast on all keys.
+the steel guitar losses and where each string is plucked, too, but no shapes, and a curve from 600 Hz on; of the fret guitar, which
+buzzes as it ships, losses, where it is plucked and where its magnet is, and how the modes of the amplifier sound; of the slap bass the
+place of its magnet and these modes; of the lap steel the places of pick and magnet and these modes. Least squares leave a place near where
+they begin, for it moves the zeros of the spectrum from partial to partial. So `strings` searches losses of the nylon strings and where
+each is plucked, one string after the other on the body as it is, and prints them; this search and `fit` were run in turn, twice. `place`
+compares places of all steel strings together, from 60 to 220 mm from the saddle: it ends at 90 mm, from where `fit` moves each string's.
+What is made small is that of bench/strings.py and, for all keys of the classical guitar and many of the steel guitar, how much louder they
+are than the mean of them, less the median of that over the sources [dB(A)], between the keys that were recorded on a line. Notes of both
+are those of linear.py. A decay of up to four times that of a usual body keeps keys beside a mode of it as loud as others, and in tune. The
+string of the fret guitar is plucked as fast on all keys.
 
 Fitted: E2, A2, D3, G3, B3 and E4 of Nylon Guitar of FluidR3 GM (fluid-soundfont-gm, MIT) and of tonejs-instrument-guitar-nylon
 (npm; CC-BY 3.0); the same strings of Steel Guitar of FluidR3 GM and of tonejs-instrument-guitar-acoustic (CC-BY 3.0); E2, D3, G3 and E4
@@ -105,15 +105,15 @@ STEEL_HEADER = """\
 // how the modes are heard are fitted to recorded notes of FluidR3 GM (MIT) and of tonejs-instrument-guitar-acoustic (CC-BY 3.0).
 """
 FRET_USUAL = {"constant": 2, "quadratic": 3e-4, "plucked": 0.5, "magnet": 0.6, **{f"cone_{f}": 1 for f in CONE}}
-FRET_BEGIN = {"constant": 1.58, "quadratic": 4.77e-4, "plucked": 0.42, "magnet": 0.609, "cone_120": -1.043, "cone_250": -6.233,
-              "cone_600": 4.467, "cone_1400": -1.76, "cone_2800": 5.267, "cone_5000": -0.118}
+FRET_BEGIN = {"constant": 1.58, "quadratic": 0.000486, "plucked": 0.423, "magnet": 0.607, "cone_120": -1.53, "cone_250": -6.31,
+              "cone_600": 6.05, "cone_1400": -0.587, "cone_2800": 3.79, "cone_5000": -0.503}
 FRET_RANGES = {"constant": (0.5, 6), "quadratic": (2e-5, 2e-3), "plucked": (0.38, 0.61), "magnet": (0.47, 0.63), "cone": (-8, 8)}
 FRET_HEADER = """\
 // The D string of a guitar, 146.8 Hz, which buzzes on a stiff fret near its end: the louder the note, the longer it buzzes. Keys
 // tune it by its tension, and pluck it twice as hard for each octave, so that it moves as fast on all. A magnet near the bridge moves
 // the modes of an amplifier, which is so light that the string does not feel it: pickup, filter and loudspeaker in one. Fitted to
 // E2, D3, G3 and E4 of Clean Guitar of FluidR3 GM (MIT), by least squares of differences of log-mel spectrograms, partials and
-// decays: losses of the string, the places of finger and magnet, and how each mode sounds.
+// decays, with its buzz: losses of the string, the places of finger and magnet, and how each mode sounds.
 """
 BASS_USUAL = {"pickup": 0.72, **{f"cone_{f}": 1 for f in CONE}}
 BASS_BEGIN = {"pickup": 0.716, "cone_120": 0.663, "cone_250": -0.403, "cone_600": 0.159, "cone_1400": -0.169, "cone_2800": 0.106, "cone_5000": -0.0543}
@@ -320,7 +320,7 @@ GUITARS = {
                          "about": HEADER, "events": [], "velocity": 1, "inharmonicity": INHARMONICITY, "seconds": 1.8, "top": 12000, "tops": {}, "prior": 0.5, "loudness": 3,
                          "compared": range(38, 84), "sound": linear.note},
     "fret_guitar": {"of": fret_guitar, "strings": {key: () for key in (40, 50, 55, 64)}, "usual": FRET_USUAL, "begin": FRET_BEGIN, "ranges": FRET_RANGES,
-                    "about": FRET_HEADER, "events": [{"time_s": 0, "fret_gap_shift_m": 0.005}], "velocity": 1, "inharmonicity": INHARMONICITY, "seconds": 1.2, "top": 10000, "tops": {}, "prior": 0.05, "loudness": 0,
+                    "about": FRET_HEADER, "events": [], "velocity": 0.85, "inharmonicity": INHARMONICITY, "seconds": 1.2, "top": 10000, "tops": {}, "prior": 0.05, "loudness": 0,
                     "compared": []},
     "slap_bass": {"of": slap_bass, "strings": {key: () for key in (36, 39, 43, 48)}, "usual": BASS_USUAL, "begin": BASS_BEGIN, "ranges": BASS_RANGES,
                   "about": BASS_HEADER, "events": [], "velocity": 0.8, "inharmonicity": dict.fromkeys((36, 39, 43, 48), 2.8e-5), "seconds": 2.6, "top": 10000, "tops": {}, "prior": 0.05,
